@@ -2,14 +2,15 @@
 
 import numpy as np
 from swamp_rl.envs.again import same_episode
+from swamp_rl.experiments.artifacts.job import say
 
 from swamp_rl.boat import Boat
-from swamp_rl.boat.digest import boat_digest
 from swamp_rl.course import Course
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import drive
 from swamp_rl.files import shipped_folders
 from swamp_rl.pilots.arguments import Asked, opened
+from swamp_rl.pilots.made_for import check_made_for
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import replayable
 from swamp_rl.pilots.store import describe_pilot
@@ -17,9 +18,9 @@ from swamp_rl.runs import Run, RunMeta
 
 
 def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
-    """The pilot, where it was made for that boat and that time between decisions [s], or does not tell.
+    """The pilot, to drive that boat at that time between decisions [s]; a note where it was made for another.
 
-    UserError for any other, and for one that is missing or damaged.
+    UserError as `check_made_for`, and for a pilot that is missing or damaged.
     """
     try:
         made = None if asked.folder is None else describe_pilot(asked.folder).made
@@ -28,16 +29,8 @@ def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
         if asked.folder in shipped_folders("pilots").values():
             raise UserError(f"{str(error).rpartition(';')[0]}; install swamp-rl again") from error
         raise
-    if made is not None and made.boat_sha256 != boat_digest(boat):
-        other = f"the boat {made.boat}" if made.boat != boat.name else f"another version of {made.boat}"
-        raise UserError(
-            f"{asked.folder}: was made for {other}, the runs shown are of {boat.name}; name runs of its boat"
-        )
-    if made is not None and abs(made.step / step - 1.0) > 1e-6:
-        raise UserError(
-            f"{asked.folder}: decides every {made.step:g} s, the runs have a row every {step:g} s; name "
-            "runs of its step"
-        )
+    if (line := check_made_for(asked.folder or asked.name, made, boat, step)) is not None:
+        say(line)
     return pilot
 
 

@@ -135,14 +135,15 @@ def helm(
     """Let a pilot control the vehicle at an address, at 10 Hz, until the course ends."""
     import numpy as np
     from swamp_rl.envs.aboard import Aboard
+    from swamp_rl.experiments.artifacts.flown import opened_for
 
     from swamp_rl.boat import load_boat
     from swamp_rl.link.addresses import addresses
-    from swamp_rl.link.helm import PATIENCE
+    from swamp_rl.link.helm import PATIENCE, PERIOD
     from swamp_rl.link.priority import schedule_in_real_time
     from swamp_rl.link.socket_link import no_answer
     from swamp_rl.link.vehicle import refuse_other_thrusters
-    from swamp_rl.pilots.arguments import asked_pilot, opened
+    from swamp_rl.pilots.arguments import asked_pilot
 
     if log is not None:
         _refuse_log(log)
@@ -150,7 +151,7 @@ def helm(
     refuse_other_thrusters(known)
     ends = addresses(link, len(known.thrusters))
     asked = asked_pilot(pilot)
-    bridge = Aboard(opened(asked), boat=known, course=course)
+    bridge = Aboard(opened_for(asked, known, PERIOD), boat=known, course=course)
     bridge.decide(0.0, np.zeros(6))  # compiles what would delay the first command
     bridge.begin()
     if priority:

@@ -77,10 +77,13 @@ def record(
 ) -> None:
     """Drive a boat by joypad, keyboard or touch, from a web page, and keep the runs."""
     import numpy as np
+    from swamp_rl.experiments.artifacts.flown import opened_for
     from swamp_rl.experiments.synthetic.cases import RTK
 
+    from swamp_rl.boat import load_boat
     from swamp_rl.extras import missing
-    from swamp_rl.pilots.arguments import asked_pilot, opened
+    from swamp_rl.link.helm import PERIOD
+    from swamp_rl.pilots.arguments import asked_pilot
     from swamp_rl.teleop.guard import Guard
 
     try:
@@ -97,7 +100,11 @@ def record(
     _refuse_of_the_other_kind(link, boats, disturbances, pilot, origin)
     asked_for = [asked_pilot(text) for text in pilot or []]
     names = _names(one.folder or Path(one.name) for one in asked_for)
-    pilots = dict(zip(names, map(opened, asked_for), strict=True))
+    pilots = {
+        name: opened_for(one, load_boat(offered), PERIOD)
+        for offered in boats
+        for name, one in zip(names, asked_for, strict=True)
+    }
     with ExitStack() as stack:
         if link is None:
             berths = _berths(out, boats, course, disturbances, source)

@@ -16,6 +16,8 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import Course, course_files, fitted, limited, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml
+from swamp_rl.pilots.made_for import check_made_for
+from swamp_rl.pilots.store import describe_pilot
 from swamp_rl.simulator.reference import reference_of
 
 
@@ -76,6 +78,9 @@ def read_scene(experiment: Experiment, given: Path | str = "experiment") -> Scen
     for level in (None, *levels_of(experiment)):
         scene.boats_at(level)(1, ("north",)).close()
     for name, plan in experiment.pilots.items():
+        if plan.kind == "stored":
+            folder = plan.options["folder"]
+            check_made_for(folder, describe_pilot(folder).made, boat, experiment.step)
         for senses in senses_in(plan.options):
             try:
                 Task.read(boat=boat, course=course, observation=senses)

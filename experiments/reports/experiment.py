@@ -136,10 +136,14 @@ def _targets(results: Results) -> str:
     return "## Targets\n\n" + table(["pilot, level", "needed", "measured", "target"], rows)
 
 
+def _made_for(pilot: Mapping[str, Any]) -> str:
+    return f", made for {pilot['made_for']}" if pilot.get("made_for") else ""
+
+
 def _training(results: Results) -> str:
     data = results["data"]
     learners = [
-        f"* **{name}**: {pilot['learned_from']}"
+        f"* **{name}**: {pilot['learned_from']}{_made_for(pilot)}"
         for name, pilot in results["pilots"].items()
         if pilot["learned_from"]
     ]

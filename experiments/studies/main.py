@@ -18,6 +18,8 @@ from swamp_rl.experiments.training.tracking import track_success
 from swamp_rl.experiments.training.train import get_data, train_pilots
 
 from swamp_rl.evaluation import write_episodes
+from swamp_rl.pilots.made_for import other_boat
+from swamp_rl.pilots.store import describe_pilot
 from swamp_rl.runs import Dataset
 
 
@@ -33,7 +35,9 @@ def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any
         results = gather(scene, dataset, tried.tables) | {"seeds": seeds(scene.experiment)}
         results["data"]["sha256"] = write_hashes(dataset.folder, folder)
         for name in pilots:
-            results["pilots"][name]["sha256"] = pilot_hash(folder / "pilots" / name)
+            place = folder / "pilots" / name
+            made_for = other_boat(describe_pilot(place).made, scene.boat)
+            results["pilots"][name] |= {"sha256": pilot_hash(place), "made_for": made_for}
     with progress.stage("race"):
         race = fly_race(scene, dataset, pilots)
     _show(scene, folder, dataset, tried, race, results, progress)

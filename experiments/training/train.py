@@ -14,13 +14,14 @@ from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.training.coverage import calm_warning, warning
 from swamp_rl.experiments.training.tracking import tracked
 
-from swamp_rl import __version__
 from swamp_rl.boat.digest import boat_digest
+from swamp_rl.boat.likeness import build_of
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_text
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import choose_runs
 from swamp_rl.pilots.description import FittedOn, Made
+from swamp_rl.pilots.made_for import check_made_for, made_for
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import record_scripted
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
@@ -47,7 +48,22 @@ def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
             f"{dataset.folder}: its runs have {dataset.meta.sample_rate:g} rows a second, the experiment "
             f"makes {rate:g}; set step to {1.0 / dataset.meta.sample_rate:g}"
         )
+    _check_boat(scene, dataset)
     return dataset
+
+
+def _check_boat(scene: Scene, dataset: Dataset) -> None:
+    """UserError where the runs are of a boat of other thrusters or size; a note where of any other."""
+    ours, theirs, name = scene.boat, dataset.boat, scene.experiment.name
+    if not build_of(theirs).serves(build_of(ours)):
+        raise UserError(
+            f"{dataset.folder}: recorded with boat {theirs.name} ({build_of(theirs)}), but experiment {name} "
+            f"has boat {ours.name} ({build_of(ours)}); set boat to that of the runs, or name runs of "
+            f"{ours.name}"
+        )
+    if boat_digest(theirs) != boat_digest(ours):
+        other = "another version of boat" if theirs.name == ours.name else "boat"
+        say(f"{dataset.folder}: recorded with {other} {theirs.name}, experiment {name} has {ours.name}")
 
 
 def record(scene: Scene, folder: Path, tick: Tick) -> None:
@@ -122,8 +138,11 @@ def _train_into(
         hear = partial(_add_point, curve, log)
         training = _training(scene, dataset, plan, tick, checkpoint, trained, hear)
         pilot = learner(plan.kind).train(training)
+    made = _made(training)
+    if (line := check_made_for(f"pilots.{name}", made, scene.boat, scene.experiment.step)) is not None:
+        say(line)
     with folder_beside(folder / name) as part:
-        save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training), _made(training))
+        save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training), made)
         if curve:
             write_text(part / "curve.jsonl", "".join(f"{json.dumps(point)}\n" for point in curve))
 
@@ -177,13 +196,7 @@ def _made(training: Training) -> Made | None:
     learns, scene = learner(training.plan.kind), training.scene
     if learns.made is not None:
         return learns.made(training)
-    return Made(
-        package=f"swamp_rl {__version__}",
-        boat=scene.boat.name,
-        boat_sha256=boat_digest(scene.boat),
-        course=scene.course.name,
-        step=scene.experiment.step,
-    )
+    return made_for(scene.boat, scene.course.name, scene.experiment.step)
 
 
 def _add_point(curve: list[dict[str, float]], log: Log, step: int, values: Mapping[str, float]) -> None:

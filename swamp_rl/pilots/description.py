@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from swamp_rl.boat.likeness import Build
 from swamp_rl.errors import UserError
 from swamp_rl.explain import validated
 from swamp_rl.pilots.arrays import Array
@@ -39,14 +40,24 @@ class Made(Part):
     """Package, boat, course and step that a pilot was made for.
 
     package: name and version; boat, course: their names; boat_sha256: `swamp_rl.boat.digest.boat_digest` of
-    the boat; step: time between decisions [s].
+    the boat; length [m], thrusters: kinds by name, both None in pilots of before there were these keys;
+    step: time between decisions [s].
     """
 
     package: str
     boat: str
     boat_sha256: Sha256
+    length: Annotated[float | None, Field(gt=0.0)] = None
+    thrusters: dict[str, str] | None = None
     course: str
     step: Annotated[float, Field(gt=0.0)]
+
+    @property
+    def build(self) -> Build | None:
+        """Of the boat; None where the pilot does not tell."""
+        if self.length is None or self.thrusters is None:
+            return None
+        return Build(self.length, self.thrusters)
 
 
 class Arrays(Part):

@@ -9,14 +9,13 @@ from swamp_rl.experiments.artifacts.demo_runs import read_shown
 from swamp_rl.experiments.artifacts.flown import flown, opened_for
 
 from swamp_rl.boat import load_boat
-from swamp_rl.boat.digest import boat_digest
 from swamp_rl.course import load_course
 from swamp_rl.demo.conditions import conditions
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import drive
 from swamp_rl.pilots.arguments import asked_pilot
-from swamp_rl.pilots.description import Made
 from swamp_rl.pilots.line_of_sight import LineOfSightPilot
+from swamp_rl.pilots.made_for import made_for
 from swamp_rl.pilots.record import record_scripted
 from swamp_rl.pilots.store import save_pilot
 from swamp_rl.runs import Run, read_dataset
@@ -24,7 +23,7 @@ from tests.support.demo import dataset
 from tests.support.runs import circling
 
 BOAT, COURSE, STEP = load_boat("swamp"), load_course("camogli"), 0.1
-MADE = Made(package="swamp_rl 0", boat="swamp", boat_sha256=boat_digest(BOAT), course="camogli", step=STEP)
+MADE = made_for(BOAT, "camogli", STEP)
 
 
 def boats(level: str):
@@ -68,12 +67,12 @@ def test_beside_a_run_that_tells_nothing_it_starts_there_in_calm_and_that_is_sai
 @pytest.mark.parametrize(
     ("changes", "part"),
     [
-        ({"boat": "swamp-light", "boat_sha256": "0" * 64}, "was made for the boat swamp-light"),
-        ({"boat_sha256": "0" * 64}, "was made for another version of swamp"),
+        ({"boat": "launch", "length": 5.0}, "was made for boat launch .5 m, .* cannot drive swamp .1.24 m"),
+        ({"boat": "tug", "thrusters": {"pod": "azimuth"}}, "was made for boat tug .*azimuth pod"),
         ({"step": 0.2}, "decides every 0.2 s"),
     ],
 )
-def test_a_pilot_of_another_boat_or_step_is_refused(
+def test_a_pilot_of_other_thrusters_another_size_or_step_is_refused(
     tmp_path: Path, changes: dict[str, object], part: str
 ) -> None:
     save_pilot(LineOfSightPilot(), tmp_path / "p", made=MADE.model_copy(update=changes))
@@ -81,6 +80,23 @@ def test_a_pilot_of_another_boat_or_step_is_refused(
         opened_for(asked_pilot(str(tmp_path / "p")), BOAT, STEP)
     save_pilot(LineOfSightPilot(), tmp_path / "p", made=MADE)
     opened_for(asked_pilot(str(tmp_path / "p")), BOAT, STEP)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, ""),
+        ({"boat": "swamp-light", "boat_sha256": "0" * 64}, "was made for boat swamp-light, it drives swamp"),
+        ({"boat_sha256": "0" * 64, "length": None}, "was made for another version of boat swamp"),
+    ],
+)
+def test_a_pilot_of_another_boat_with_the_same_thrusters_drives_with_a_note(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], changes: dict[str, object], said: str
+) -> None:
+    save_pilot(LineOfSightPilot(), tmp_path / "p", made=MADE.model_copy(update=changes))
+    opened_for(asked_pilot(str(tmp_path / "p")), BOAT, STEP)
+    told = capsys.readouterr().err
+    assert said in told and len(told.splitlines()) == bool(said)
 
 
 def test_beside_runs_without_a_course_no_pilot_is_flown(tmp_path: Path) -> None:

@@ -10,11 +10,12 @@ import pytest
 from swamp_rl.experiments.artifacts import demo_runs, flown
 from swamp_rl.experiments.artifacts.demo_runs import read_shown
 
+from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.files import shipped_folders
 from swamp_rl.pilots import arguments
-from swamp_rl.pilots.description import Made
 from swamp_rl.pilots.line_of_sight import LineOfSightPilot
+from swamp_rl.pilots.made_for import made_for
 from swamp_rl.pilots.store import save_pilot
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
 from tests.support.command_line import Call, assert_complains
@@ -124,7 +125,7 @@ def test_what_is_asked_wrongly_is_one_line(
         (["onnx:missing.onnx"], "missing.onnx: No such file"),
         (["nothing.like.it:Pilot"], "nothing.like.it:Pilot: cannot be imported"),
         (["pond", "line-of-sight"], "the runs have no course"),
-        (["other"], "was made for the boat swamp-light, the runs shown are of swamp"),
+        (["other"], "was made for boat launch (5 m, thrusters azimuth jet), it cannot drive swamp (1.24 m"),
         (["damaged"], "pilot.json: was changed since it was written"),
         (["pond", "--html", "file/a.html"], "a folder is needed there"),
     ],
@@ -133,12 +134,12 @@ def test_a_source_that_cannot_be_shown_is_one_line_and_leaves_nothing(
     tmp_path: Path, call: Call, sources: list[str], part: str
 ) -> None:
     dataset(tmp_path / "pond", "human", ["x"], course=None)
-    told = {"package": "swamp_rl 0", "boat": "swamp-light", "boat_sha256": "0" * 64}
-    made = Made.model_validate(told | {"course": "camogli", "step": 0.1})
+    of_launch = {"boat": "launch", "length": 5.0, "thrusters": {"jet": "azimuth"}}
+    made = made_for(load_boat("swamp"), "camogli", 0.1).model_copy(update=of_launch)
     for name in ("other", "damaged"):
         save_pilot(LineOfSightPilot(), tmp_path / name, made=made)
     description = tmp_path / "damaged" / "pilot.json"
-    description.write_text(description.read_text().replace("swamp-light", "swamp-heavy"))
+    description.write_text(description.read_text().replace("launch", "laundry"))
     (tmp_path / "file").write_text("")
     assert_complains(call("demo", *sources, *([] if "--html" in sources else ["--html", "a.html"])), part)
     assert {path.name for path in tmp_path.iterdir()} == {"pond", "other", "damaged", "file"}

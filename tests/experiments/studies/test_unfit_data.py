@@ -7,6 +7,9 @@ from swamp_rl.experiments.studies.run import run_experiment, train_experiment
 
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
+from swamp_rl.pilots.line_of_sight import LineOfSightPilot
+from swamp_rl.pilots.made_for import made_for
+from swamp_rl.pilots.store import save_pilot
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
 from swamp_rl.runs.schema import meta_of
 from tests.support.runs import circling
@@ -34,3 +37,56 @@ def test_a_pilot_that_asks_for_more_runs_than_there_are_is_named_with_the_folder
         "record more, or ask for fewer"
     )
     assert not (tmp_path / "out").exists()
+
+
+def runs_of(folder: Path, boat: str | Path) -> Path:
+    """A dataset of a run that the boat is said to have made."""
+    create_dataset(folder, meta_of(load_boat(boat), str(boat), 10.0, "measured"), boat)
+    append_run(folder, Run("one", circling(), RunMeta(outcome="success")))
+    return folder
+
+
+def test_runs_of_a_boat_of_another_size_are_refused_before_any_training(tmp_path: Path) -> None:
+    launch = tmp_path / "launch.yaml"
+    launch.write_text("extends: swamp\nname: launch\nlength: 2.0\n")
+    data = runs_of(tmp_path / "runs", launch)
+    for task in (run_experiment, train_experiment):
+        with pytest.raises(UserError) as told:
+            task(write_tiny(tmp_path, "net"), [f"data={{folder: {data}}}"], tmp_path / "out")
+        assert str(told.value).startswith(f"{data}: recorded with boat launch (2 m, thrusters azimuth bs,")
+        assert "but experiment tiny has boat swamp (1.24 m," in str(told.value)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["launch.yaml", "runs", "tiny.yaml"]
+
+
+@pytest.mark.parametrize(
+    ("boat", "said"),
+    [
+        ("swamp", ""),
+        ("swamp-light", "recorded with boat swamp-light, experiment tiny has swamp"),
+        ("mine.yaml", "recorded with another version of boat swamp, experiment tiny has swamp"),
+    ],
+)
+def test_runs_of_another_boat_with_the_same_thrusters_and_size_are_noted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], boat: str, said: str
+) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(
+        "extends: swamp\nname: swamp\neffects: [{effect: thruster_gain, thruster: all, gain: 0.9}]\n"
+    )
+    data = runs_of(tmp_path / "runs", mine if boat == "mine.yaml" else boat)
+    train_experiment(write_tiny(tmp_path, "scripted"), [f"data={{folder: {data}}}"], tmp_path / "out")
+    told = capsys.readouterr().err
+    assert said in told and told.count("recorded with") == bool(said)
+
+
+def test_a_stored_pilot_of_another_boat_is_refused_and_one_of_the_same_thrusters_noted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    made = made_for(load_boat("swamp-light"), "camogli", 0.1)
+    asked = [f"pilots={{mine: {{kind: stored, options: {{folder: {tmp_path / 'pilot'}}}}}}}"]
+    save_pilot(LineOfSightPilot(), tmp_path / "pilot", made=made.model_copy(update={"length": 5.0}))
+    with pytest.raises(UserError, match=r"was made for boat swamp-light .5 m, .*, it cannot drive swamp"):
+        train_experiment(write_tiny(tmp_path, "scripted"), asked, tmp_path / "out")
+    save_pilot(LineOfSightPilot(), tmp_path / "pilot", made=made)
+    train_experiment(write_tiny(tmp_path, "scripted"), asked, tmp_path / "out")
+    assert "pilots.mine: was made for boat swamp-light, it drives swamp" in capsys.readouterr().err
