@@ -23,6 +23,8 @@ from swamp_rl.manoeuvres.execute import execute
 from swamp_rl.manoeuvres.plan import Plan
 from swamp_rl.manoeuvres.record import runs_of_trials
 from swamp_rl.runs import Dataset, Run, read_dataset
+from swamp_rl.runs.check import check_column
+from swamp_rl.runs.table import Table
 from swamp_rl.simulator.replay import replay
 
 Model = Literal["yaw-model", "elementary", "thrust-deduction"]
@@ -53,10 +55,13 @@ def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0
     state at its own times; or (T, 2K) for K thrusters in the boat file's order, K azimuths [rad] and then K
     throttles [1], one row every `step` [s], from rest at the origin heading north. Each row is held until the
     next. seed: of what is random, such as gusts. The result's columns are those of the run format, (T,) each.
-    UserError where the commands are not this boat's.
+    UserError where the commands are not this boat's, or a value is out of its range, as in percent or in
+    degrees: of an array the boat's own, rows counted from 0; of a run that of any boat, rows from 1.
     """
     vessel = boat if isinstance(boat, Boat) else load_boat(boat)
     if isinstance(commands, Run):
+        given = commands.columns
+        _refuse_out_of_range({name: given[name] for name in _columns(vessel) if name in given}, None, 1)
         return replay(vessel, commands)
     rows = _commands(vessel, commands)
     if not (math.isfinite(step) and 0.0 < step <= 10.0):
@@ -156,4 +161,19 @@ def _commands(boat: Boat, given: ArrayLike) -> NDArray[np.float64]:
     if not np.isfinite(rows).all():
         row, column = np.argwhere(~np.isfinite(rows))[0]
         raise UserError(f"simulate: commands: row {row}, column {column} is no finite number")
+    _refuse_out_of_range({name: rows[:, j] for name, j in _columns(boat).items()}, boat, 0)
     return rows
+
+
+def _columns(boat: Boat) -> dict[str, int]:
+    """The place of each command in a row (2K,), by its column in a run; a fixed thruster has no azimuth."""
+    angles, levels = zip(*(thruster.command_columns for thruster in boat.thrusters), strict=True)
+    return {name: j for j, name in enumerate((*angles, *levels)) if name is not None}
+
+
+def _refuse_out_of_range(columns: dict[str, NDArray[np.float64]], boat: Boat | None, first: int) -> None:
+    """UserError for the first value that a dataset may not hold. first: the number of the first row."""
+    table = Table(columns, first + np.arange(max(map(len, columns.values()), default=0)))
+    for name in columns:
+        for fault in check_column("simulate: commands", name, table, boat):
+            raise UserError(str(fault))

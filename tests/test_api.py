@@ -72,6 +72,12 @@ def test_a_run_replayed_is_the_run() -> None:
         (np.zeros((5, 3)), 0.1, "must be (T, 8)"),
         (np.zeros((1, 8)), 0.1, "T at least 2"),
         (np.full((5, 8), np.nan), 0.1, "row 0, column 0"),
+        (
+            straight_ahead(5, 60.0),
+            0.1,
+            "row 0, column throttle_bs: 60 is outside [0, 1]; it looks like percent",
+        ),
+        (np.full((5, 8), 0.5) * [[30.0] * K + [1.0] * K], 0.1, "row 0, column azimuth_bs: 15 is outside"),
         ("full ahead", 0.1, "no array of numbers"),
         (np.zeros((5, 8)), 0.0, "step must be above 0"),
         (np.zeros((5, 8)), math.nan, "step must be above 0"),
@@ -80,6 +86,18 @@ def test_a_run_replayed_is_the_run() -> None:
 def test_commands_of_another_boat_are_refused(commands: object, step: float, part: str) -> None:
     with pytest.raises(UserError, match=re.escape(part)):
         swamp_rl.simulate(BOAT, commands, step)
+
+
+def test_a_runs_commands_in_percent_are_refused_and_azimuths_that_count_turns_are_not() -> None:
+    run = swamp_rl.simulate(BOAT, straight_ahead(20, 0.5))
+    percent = {
+        name: 100 * values if name.startswith("throttle") else values for name, values in run.columns.items()
+    }
+    with pytest.raises(UserError, match=r"row 1, column throttle_bs: 50 is outside .*percent"):
+        swamp_rl.simulate(BOAT, Run("log", percent))
+    turning = straight_ahead(200, 0.5)
+    turning[:, :K] = np.linspace(0.0, 20.0, 200)[:, None]
+    assert swamp_rl.simulate("swamp", turning).columns["azimuth_bs"][-1] == 20.0
 
 
 def test_circles_to_either_side_are_mirror_images() -> None:

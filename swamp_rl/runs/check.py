@@ -41,12 +41,7 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
         for name in missing_columns(list(table.columns), boat)
     ]
     for name in table.columns:
-        try:
-            span = span_of(name, boat)
-        except UnknownThrusterError as error:
-            faults.append(Fault(file, None, name, str(error)))
-            span = None
-        faults += _check_values(file, name, table, span or Span("?"))
+        faults += check_column(file, name, table, boat)
     if len(table.rows) < 2:
         rows = "1 row" if len(table.rows) == 1 else "no rows"
         faults.append(
@@ -56,6 +51,16 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
         late = _check_time(file, table.columns["time"], table.rows, sample_rate)
         faults += late or _check_degrees_against_yaw_rate(file, table.columns)
     return faults
+
+
+def check_column(file: str, name: str, table: Table, boat: Boat | None) -> list[Fault]:
+    """Every fault of a column of the table: that it names no thruster of the boat, values out of range."""
+    faults, span = [], None
+    try:
+        span = span_of(name, boat)
+    except UnknownThrusterError as error:
+        faults.append(Fault(file, None, name, str(error)))
+    return faults + _check_values(file, name, table, span or Span("?"))
 
 
 def _is_odd(name: str) -> bool:
