@@ -58,7 +58,7 @@ def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0
     UserError where the commands are not this boat's, or a value is out of its range, as in percent or in
     degrees: of an array the boat's own, rows counted from 0; of a run that of any boat, rows from 1.
     """
-    vessel = boat if isinstance(boat, Boat) else load_boat(boat)
+    vessel = _loaded(boat)
     if isinstance(commands, Run):
         given = commands.columns
         _refuse_out_of_range({name: given[name] for name in _columns(vessel) if name in given}, None, 1)
@@ -70,19 +70,19 @@ def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0
 
 
 def trial(
-    manoeuvre: str, boat: str | Path = "swamp", seed: int = 0, **entry: Any
+    manoeuvre: str, boat: Boat | str | Path = "swamp", seed: int = 0, **entry: Any
 ) -> list[tuple[Run, Result]]:
     """Carry out a sea trial in closed loop; the run and its figures, for each angle and throttle.
 
     manoeuvre: turning-circle, zig-zag, spiral, reverse-spiral, pull-out, stopping or straight. entry: keys of
     an entry of a plan file, such as throttle=0.6 (share of full), angle_deg=[20, 30] (degrees, + first to
-    starboard). boat: the name or path of its file. Figures have a unit, a value and a 95 % interval.
-    UserError where a key is wrong or the boat cannot do the manoeuvre.
+    starboard). boat: loaded, or the name or path of its file. Figures have a unit, a value and a 95 %
+    interval. UserError where a key is wrong or the boat cannot do the manoeuvre.
     """
     entry = {key: [value] if key in LISTED and is_number(value) else value for key, value in entry.items()}
-    data = {"name": "asked", "boat": str(boat), "seed": seed, "trials": [{"manoeuvre": manoeuvre, **entry}]}
+    vessel = _loaded(boat)
+    data = {"name": "asked", "boat": vessel.name, "seed": seed, "trials": [{"manoeuvre": manoeuvre, **entry}]}
     plan = validated("trial", Plan, data)
-    vessel = load_boat(boat)
     done = execute(vessel, plan.singly, plan.place, plan.seed)
     return [(run, analyse_run(run, vessel)) for run in runs_of_trials(done, vessel, plan.seed)]
 
@@ -90,20 +90,22 @@ def trial(
 def identify(
     runs: Dataset | str | Path,
     model: Model = "yaw-model",
-    boat: str | Path | None = None,
+    boat: Boat | str | Path | None = None,
     smooth: float = 0.0,
 ) -> list[Identified]:
     """Numbers of a boat from recorded runs, by the regressions of the papers (docs/identification.md).
 
     runs: read, or their folder. model: `yaw-model` (k_r, c_ru, c_rv, b_r), `elementary` (mass and quadratic
     drag in surge and yaw) or `thrust-deduction` (1 - t at each throttle of straight runs). boat: another one
-    than the dataset's, or that of a plain folder. smooth [s]: span of a quadratic smoother, 0 for none. The
-    intervals hold the scatter of the method, not its bias. UserError where nothing can be identified.
+    than the dataset's, or that of a plain folder, by name or file. smooth [s]: span of a quadratic smoother,
+    0 for none. The intervals hold the scatter of the method, not its bias. UserError where nothing can be
+    identified.
     """
     if model not in get_args(Model):
         raise UserError(f"identify: unknown model {model!r}{nearest(str(model), get_args(Model))}")
-    dataset = runs if isinstance(runs, Dataset) else read_dataset(runs, boat)
-    vessel = load_boat(boat) if boat else dataset.boat
+    named = None if isinstance(boat, Boat) else boat
+    dataset = runs if isinstance(runs, Dataset) else read_dataset(runs, named)
+    vessel = dataset.boat if boat is None else _loaded(boat)
     motion = motions_of(dataset.runs, vessel, smooth)
     if model == "yaw-model":
         _, found = yaw_model.by_pseudo_inverse(motion, vessel.inertia_z)
@@ -113,6 +115,10 @@ def identify(
     if not named:
         raise UserError(f"identify: {dataset.folder} has no run for {model}; record {NEEDED[model]}")
     return named
+
+
+def _loaded(boat: Boat | str | Path) -> Boat:
+    return boat if isinstance(boat, Boat) else load_boat(boat)
 
 
 def _deductions(motion: Motion, boat: Boat) -> list[Identified]:

@@ -177,9 +177,7 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     """The YAML file meant by a bare name (`swamp` -> configs/boats/swamp.yaml) or by a path."""
     if kind not in CONFIG_KINDS:
         raise ValueError(f"kind is one of {CONFIG_KINDS}, not {kind!r}")
-    if not isinstance(name_or_path, str | os.PathLike):
-        told = f"is {clipped(repr(name_or_path))}; give a name or a path"
-        raise UserError(f"one of the {kind} {told}")
+    refuse_object(kind, name_or_path)
     one = f"{kind.removesuffix('s')} file"
     copy = _copies.get().get((kind, str(name_or_path)))
     if copy is not None:
@@ -203,6 +201,12 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
         hint = f"did you mean {clipped(near[0])!r}? " if near else ""
         raise UserError(f"no {one} named {clipped(given)!r}; {hint}give a path or one of {_known(kind)}")
     return found
+
+
+def refuse_object(kind: str, given: Any) -> None:
+    """UserError for what is neither a name nor a path, as an object that was read from such a file."""
+    if not isinstance(given, str | os.PathLike):
+        raise UserError(f"one of the {kind} is of the type {type(given).__name__}; give a name or a path")
 
 
 def extended_config(kind: str, path: Path, extended: Any) -> Path:

@@ -4,10 +4,12 @@ import ast
 import math
 import pydoc
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.experiments.config.load import load_experiment
 
 import swamp_rl
 from swamp_rl.errors import UserError
@@ -42,6 +44,39 @@ def test_help_documents_the_public_functions() -> None:
     told = pydoc.render_doc(swamp_rl, renderer=pydoc.plaintext)
     functions = [name for name, place in swamp_rl.PUBLIC.items() if ":" in place]
     assert [name for name in functions if not re.search(rf"^    {name}(\(| = )", told, re.MULTILINE)] == []
+
+
+def test_a_dataset_that_was_read_is_taken_wherever_its_folder_is(folder: Path, tmp_path: Path) -> None:
+    dataset = swamp_rl.read_runs(folder)
+    for task in (swamp_rl.diagnose, swamp_rl.identify_boat):
+        with pytest.raises(UserError, match=rf"{folder}: .*too short"):
+            task(dataset, "swamp", tmp_path / "out.yaml")
+        with pytest.raises(UserError, match=f"{folder}: its runs are read again from the folder"):
+            task(replace(dataset, runs=dataset.runs[:1]), "swamp", tmp_path / "out.yaml")
+    with pytest.raises(UserError, match=rf"{folder}: .*too short"):
+        swamp_rl.diagnose([dataset], None, tmp_path / "out")
+
+
+def test_a_boat_that_was_read_is_taken_or_its_file_is_asked_for(folder: Path, tmp_path: Path) -> None:
+    ((named, _),) = swamp_rl.trial("straight", "swamp-thesis", throttle=0.5)
+    ((read, _),) = swamp_rl.trial("straight", BOAT, throttle=0.5)
+    assert np.array_equal(named.pose, read.pose)
+    with pytest.raises(UserError, match="; record "):
+        swamp_rl.identify(folder, "elementary", BOAT)
+    asked = "one of the boats is of the type Boat; give a name or a path"
+    for task in (
+        lambda: swamp_rl.read_runs(folder, boat=BOAT),
+        lambda: swamp_rl.diagnose(folder, BOAT, tmp_path / "out"),
+        lambda: swamp_rl.identify_boat(folder, BOAT, tmp_path / "out.yaml"),
+    ):
+        with pytest.raises(UserError, match=asked):
+            task()
+
+
+def test_a_text_alone_is_one_override_or_one_pilot() -> None:
+    assert load_experiment("smoke", "evaluation.episodes=3").evaluation.episodes == 3
+    with pytest.raises(UserError, match="no pilot 'reservoir-alne'; did you mean 'reservoir-alone'"):
+        swamp_rl.train("smoke", only="reservoir-alne")
 
 
 def test_a_name_that_there_is_not_is_refused_as_python_does() -> None:

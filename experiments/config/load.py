@@ -33,10 +33,11 @@ def load_experiment(
 ) -> Experiment:
     """The experiment of a file, given by path, by its bare name in configs/experiments or by its results.
 
-    An `extends:` in the file names another whose keys it overrides; `overrides` are `key=value` with a dotted
-    key and a YAML value, and come last. A file or overrides that give other levels remove the targets of the
-    files below at levels that are no longer evaluated. UserError names the file, or the override, and the
-    key of the first fault. given: where an override comes from, by its text; by default from `--set`.
+    An `extends:` in the file names another whose keys it overrides; `overrides` (or one, as a text) are
+    `key=value` with a dotted key and a YAML value, and come last. A file or overrides that give other levels
+    remove the targets of the files below at levels that are no longer evaluated. UserError names the file, or
+    the override, and the key of the first fault. given: where an override comes from, by its text; by
+    default from `--set`.
     """
     path, named = _file_of(name_or_path), _named(overrides, given or {})
     allowed = {text for _, override in named for text in _texts(override)}
@@ -223,7 +224,8 @@ def _refuse_code(path: Path, data: dict[str, Any], allowed: Collection[str]) -> 
 
 
 def _named(overrides: Iterable[str], given: Mapping[str, str]) -> list[Layer]:
-    named = [(clipped(given.get(text, f"--set {text}")), text) for text in overrides]
+    texts = [overrides] if isinstance(overrides, str) else overrides
+    named = [(clipped(given.get(text, f"--set {text}")), text) for text in texts]
     return [(name, _parsed(name, text)) for name, text in named]
 
 

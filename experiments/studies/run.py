@@ -67,9 +67,9 @@ def train_experiment(
     name_or_path: str | Path,
     overrides: Iterable[str] = (),
     out: Path | str | None = None,
-    only: list[str] | None = None,
+    only: list[str] | str | None = None,
 ) -> Path:
-    """Record and train what an experiment asks for, all its pilots or `only` some, and evaluate none.
+    """Record and train what an experiment asks for, all its pilots or `only` some or one, and evaluate none.
 
     The folder, by default results/NAME, is one that `run_experiment` goes on from, and so does a later call
     for other pilots of the same experiment. UserError where it holds a complete result.
@@ -77,6 +77,7 @@ def train_experiment(
     with same_configs(kept_config(name_or_path)):
         scene, work = _sound(load_experiment(name_or_path, overrides), name_or_path)
         plans = scene.experiment.pilots
+        only = [only] if isinstance(only, str) else only
         if work is not do_experiment:
             raise UserError(f"{name_or_path}: its pilots are trained between other stages; use swamp-rl run")
         for name in only or ():

@@ -41,6 +41,7 @@ from swamp_rl.criticism.result import Predictors
 from swamp_rl.errors import UserError
 from swamp_rl.files import new_files_beside, refuse_existing, yaml_text
 from swamp_rl.one_thread import one_thread
+from swamp_rl.runs.dataset import Dataset, as_on_disk
 
 Array = NDArray[np.float64]
 
@@ -64,29 +65,30 @@ class _FittedFile:
 
 @one_thread()
 def identify_boat(
-    dataset: Path | str,
+    dataset: Dataset | Path | str,
     boat: str | Path,
     out: Path | str,
-    holdout: Path | str | None = None,
+    holdout: Dataset | Path | str | None = None,
     positions: bool = False,
     ignore: Sequence[str] = (),
 ) -> Identification:
     """Fit the numbers of a boat file to a folder of runs; writes the boat file `out` and, beside it, a report
     of the same name, .html.
 
-    holdout: a folder of runs that the errors are measured on; without it every third run; positions: also fit
-    where the thrusters are; ignore: measured weather that is left out (`wind`, `depth`). UserError for data
-    that no fit is possible from, and where `out` is there already.
+    dataset, holdout: read, or their folders; holdout: runs that the errors are measured on; without it every
+    third run; positions: also fit where the thrusters are; ignore: measured weather that is left out (`wind`,
+    `depth`). UserError for data that no fit is possible from, and where `out` is there already.
     """
-    dataset, out = Path(dataset), Path(out)
+    dataset, out = as_on_disk(dataset), Path(out)
     began = time.perf_counter()
     refuse_to_overwrite(out)
     start = load_boat(boat)
+    holdout = as_on_disk(holdout) if holdout is not None else None
     if holdout is not None:
-        refuse_other_vehicle(dataset, Path(holdout))
+        refuse_other_vehicle(dataset, holdout)
     LOG.info("reading %s", dataset)
     run_set = _read(dataset, start, boat, ignore)
-    other = _read(Path(holdout), start, boat, ignore) if holdout is not None else None
+    other = _read(holdout, start, boat, ignore) if holdout is not None else None
     data = split(run_set, other)
     with new_files_beside(out.with_suffix(REPORT), out) as (page, part):
         made, others = _fitted_to_alike(data, positions, partial(_written, part, dataset, out.stem))

@@ -59,7 +59,7 @@ from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.model_selection import prepared, select_model
 from swamp_rl.errors import UserError
 from swamp_rl.one_thread import one_thread
-from swamp_rl.runs.dataset import own_boat
+from swamp_rl.runs.dataset import Dataset, as_on_disk, own_boat
 from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
@@ -70,10 +70,10 @@ NONE = np.zeros(0)
 
 @one_thread()
 def diagnose(
-    dataset: Path | str | Sequence[Path],
+    dataset: Dataset | Path | str | Sequence[Dataset | Path | str],
     boat: str | Path | None,
     out: Path | str,
-    holdout: Path | str | None = None,
+    holdout: Dataset | Path | str | None = None,
     seed: int = 0,
     ignore: Sequence[str] = (),
     twins: int = TWINS,
@@ -84,17 +84,19 @@ def diagnose(
     """Diagnose a boat file against a folder of runs, or several; writes diagnosis.json, extended_boat.yaml,
     report.html and, where weather was found, conditions.yaml into `out`.
 
-    boat: a name or a file, None for the dataset's own, the first's of several;
-    holdout: a folder of runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
+    dataset, holdout: read, or their folders; boat: a name or a file, None for the dataset's own, the first's
+    of several; holdout: runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
     ignore: measured weather that is left out (`wind`, `depth`); twins, method, each: of the self-trial, none
     with 0 twins; limits: of the next trial, which is designed and written as next_trial.csv where they are
     given and there is something to separate or narrow. UserError for data that no diagnosis is possible from.
     """
-    every = [Path(dataset)] if isinstance(dataset, Path | str) else list(dataset)
+    given = [dataset] if isinstance(dataset, Dataset | Path | str) else list(dataset)
+    every = [as_on_disk(one) for one in given]
     label = ", ".join(map(str, every))
-    out, holdout = Path(out), Path(holdout) if holdout is not None else None
+    out, holdout = Path(out), as_on_disk(holdout) if holdout is not None else None
     LOG.info("reading %s", label)
-    boat = boat or own_boat(every[0])
+    first = given[0]
+    boat = boat or (first.boat_file if isinstance(first, Dataset) else own_boat(every[0]))
     model = load_boat(boat)
     inputs = [*every, *([holdout] if holdout else []), Path(boat)]
     refuse_sources_inside(out, [one for one in inputs if one.exists()])

@@ -1,10 +1,12 @@
 """Arithmetic common to the pilots: array type, range of the levers, matrix product, wrapped angles."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from swamp_rl.errors import UserError
 
 Array = NDArray[Any]
 
@@ -32,6 +34,32 @@ def times(rows: Array, matrix: Array) -> Array:
     if matrix.dtype == np.float32:
         return (whole.reshape(-1, ROWS, d) @ matrix).reshape(len(whole), m)[:n]
     return (whole @ matrix)[:n]
+
+
+def checked(observation: Any, senses: Sequence[str], boats: int | None = None) -> Array:
+    """The observation as an array (n, d), d that of `senses`.
+
+    boats: n since the last reset, None where the pilot resets itself for another n. UserError for another
+    shape, and for a value that is no finite number.
+    """
+    try:
+        seen = np.asarray(observation)
+        sound = bool(np.isfinite(seen).all())
+    except (TypeError, ValueError) as error:
+        raise UserError(f"pilot.act: the observation is no array of numbers ({error})") from error
+    if seen.ndim != 2 or seen.shape[1] != len(senses):
+        raise UserError(
+            f"pilot.act: the observation is {seen.shape}, (n, {len(senses)}) is needed: {', '.join(senses)}"
+        )
+    if boats is not None and len(seen) != boats:
+        raise UserError(
+            f"pilot.act: the observation is of {len(seen)} boats, the pilot was reset for {boats}; call "
+            f"reset({len(seen)}) first"
+        )
+    if not sound:
+        row, place = np.argwhere(~np.isfinite(seen))[0]
+        raise UserError(f"pilot.act: boat {row}: {senses[place]} is no finite number")
+    return seen
 
 
 def owned(owner: str, arrays: Mapping[str, Array]) -> dict[str, Array]:

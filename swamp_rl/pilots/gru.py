@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from swamp_rl.one_thread import one_thread
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, times
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import REACH
@@ -62,7 +62,8 @@ class GRUPilot:
     def act(self, observation: Array) -> Array:
         """Levers (n, 2) from the observation (n, d); advances the states by one step."""
         w, h = self._weights, self.memory.shape[1]
-        x = np.clip((observation - w["mean"]) / w["scale"], -REACH, REACH).astype(np.float32)
+        seen = checked(observation, self.senses, len(self.memory))
+        x = np.clip((seen - w["mean"]) / w["scale"], -REACH, REACH).astype(np.float32)
         driven = times(x, w["input"]) + w["input_bias"]
         recurrent = times(self.memory, w["recurrent"]) + w["recurrent_bias"]
         gates = _sigmoid(driven[:, : 2 * h] + recurrent[:, : 2 * h])

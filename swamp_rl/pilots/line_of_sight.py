@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked
 from swamp_rl.pilots.demonstrations import GATE
 from swamp_rl.pilots.settings import NotNegative, Settings, Share
 
@@ -49,7 +49,7 @@ class LineOfSightPilot:
     def act(self, observation: Array) -> Array:
         """Levers (n, 2), throttle and angle, from the observation (n, 5) in the order of `senses`."""
         o = self.options
-        ahead, starboard, cos, sin, yaw_rate = np.asarray(observation, dtype=np.float64).T
+        ahead, starboard, cos, sin, yaw_rate = checked(observation, self.senses).astype(np.float64).T
         to_go = np.maximum(ahead * cos + starboard * sin, 0.0)
         shift = o.beyond - o.lead * to_go
         bearing = np.arctan2(starboard + shift * sin, ahead + shift * cos)

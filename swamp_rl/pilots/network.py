@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, times
 from swamp_rl.pilots.memory import Memory
 
 REACH = 10.0
@@ -61,11 +61,12 @@ class NetworkPilot:
 
         If the number of boats differs from before, all are reset.
         """
-        if len(observation) != len(self._levers):
-            self.reset(len(observation))
+        observed = checked(observation, self.senses)
+        if len(observed) != len(self._levers):
+            self.reset(len(observed))
         due = np.flatnonzero(self._held_for == 0)
         if due.size:
-            seen = np.asarray(observation)[due]
+            seen = observed[due]
             self._levers[due] = self._decide(self._memory.recall(seen, due))
             self._memory.keep(seen, self._levers[due], due)
         self._held_for = (self._held_for + 1) % self.hold

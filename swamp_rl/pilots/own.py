@@ -18,7 +18,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
 from swamp_rl.ordinary import contents
 from swamp_rl.own_code import is_code, own_code
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked
 from swamp_rl.pilots.settings import Settings
 
 GROUP = "swamp_rl.pilots"
@@ -147,9 +147,10 @@ class OwnPilot:
 
     def act(self, observation: Array) -> Array:
         """Levers (n, 2), stopped at the ends of their ways; UserError where they are not such numbers."""
-        if len(observation) != len(self._places):
-            self.reset(len(observation))
-        self._seen[self._places] = observation
+        seen = checked(observation, self.senses)
+        if len(seen) != len(self._places):
+            self.reset(len(seen))
+        self._seen[self._places] = seen
         given = self.pilot.act(self._seen.copy())
         try:
             levers = np.asarray(given, dtype=np.float64)

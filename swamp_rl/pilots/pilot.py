@@ -29,7 +29,10 @@ class Pilot(Protocol):
         """Keep only the boats with the indices `boats` (m,), in that order, with their states."""
 
     def act(self, observation: Array) -> Array:
-        """Return levers (n, 2), throttle in [0, 1] and angle in [-1, 1], for observations (n, d) in SI."""
+        """Return levers (n, 2), throttle in [0, 1] and angle in [-1, 1], for observations (n, d) in SI.
+
+        UserError for another shape or number of boats, and for a value that is no finite number.
+        """
 
     def settings(self) -> dict[str, Any]:
         """Return everything but the arrays as plain JSON; with `weights` it suffices for `build`."""

@@ -14,7 +14,7 @@ from pydantic import Field
 from scipy.sparse import csr_array
 
 from swamp_rl.one_thread import one_thread
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, times
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, times
 from swamp_rl.pilots.demonstrations import POSE, examples
 from swamp_rl.pilots.readout import Moments, RecursiveReadout, ridge_readout, variance_matched
 from swamp_rl.pilots.settings import (
@@ -100,8 +100,9 @@ class ReservoirPilot:
 
     def act(self, observation: Array) -> Array:
         """Levers (n, 2) from the observation (n, d); advances the states by one step."""
+        seen = checked(observation, self.senses, len(self.state))
         drive = np.ascontiguousarray((self._recurrent @ self.state.T).T)
-        drive += times(observation, self._input)
+        drive += times(seen, self._input)
         drive += self._constant
         np.tanh(drive, out=drive)
         drive -= self.state

@@ -10,7 +10,7 @@ import numpy as np
 
 from swamp_rl.angles import wrapped_below
 from swamp_rl.constants import SWAMP_LENGTH
-from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.arrays import Array, checked
 from swamp_rl.pilots.demonstrations import GATE, MOTION
 from swamp_rl.pilots.settings import NotNegative, Positive, Range, Settings, Share
 
@@ -139,9 +139,10 @@ class ScriptedPilot:
 
     def act(self, observation: Array) -> Array:
         """Levers (n, 2), throttle and angle, from the observation (n, 7) in the order of `senses`."""
+        seen = checked(observation, self.senses, len(self._seen))
         traits = self._traits
         self._seen = np.roll(self._seen, 1, axis=1)
-        self._seen[:, 0] = _course_error(observation / self._unit, traits)
+        self._seen[:, 0] = _course_error(seen / self._unit, traits)
         error = self._seen[np.arange(len(self._seen)), np.minimum(traits["delay"], self._ticks())]
         # Hysteresis: the lever is released at a smaller error than it is pushed at.
         threshold = np.where(self._lever == 0.0, traits["dead_band"], 0.4 * traits["dead_band"])

@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.arrays import Array, checked
 from swamp_rl.pilots.pilot import Pilot
 
 
@@ -43,12 +43,13 @@ class TakeoverPilot:
 
     def act(self, observation: Array) -> Array:
         """Return the levers (n, 2) of the pilot that drives each boat, for observations (n, d)."""
-        watched = self.then.act(observation[:, self._then_senses])
+        seen = checked(observation, self.senses, len(self._tick))
+        watched = self.then.act(seen[:, self._then_senses])
         early = self._tick < self._ticks_of_first
         self._tick += 1
         if not early.any():
             return watched
-        driven = self.first.act(observation[:, self._first_senses])
+        driven = self.first.act(seen[:, self._first_senses])
         return np.where(early[:, None], driven, watched)
 
     def settings(self) -> dict[str, Any]:

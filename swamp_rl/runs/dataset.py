@@ -8,7 +8,7 @@ from pathlib import Path
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import Course, fitted, load_course
 from swamp_rl.errors import UserError
-from swamp_rl.files import is_file
+from swamp_rl.files import is_file, refuse_object
 from swamp_rl.names import YAML, file_in
 from swamp_rl.runs.check import MISSING, check_table, unknown_columns
 from swamp_rl.runs.copies import boat_file, boat_of, course_file
@@ -63,6 +63,18 @@ class Dataset:
         return None if found is None else fitted(load_course(found), self.boat.length)
 
 
+def as_on_disk(given: "Dataset | Path | str") -> Path:
+    """The folder of a dataset, read or named; UserError where one that was read has other runs by now."""
+    if not isinstance(given, Dataset):
+        return Path(given)
+    if [run.name for run in given.runs] != [Path(str(meta.file)).stem for meta in given.meta.runs]:
+        raise UserError(
+            f"{given.folder}: its runs are read again from the folder, and this dataset has others; write "
+            "these into a folder of their own"
+        )
+    return given.folder
+
+
 @dataclass
 class Inspection:
     """All there is to say about a folder: `notes` are no faults (unknown columns, leftovers of a writer)."""
@@ -85,6 +97,9 @@ def read_dataset(
     course, mass, draught and density are the boat's, the sample rate is that of the times.
     """
     folder = Path(folder)
+    for kind, given in (("boats", boat), ("courses", course)):
+        if given is not None:
+            refuse_object(kind, given)
     found = inspect_dataset(folder, boat, course)
     refuse_faults(folder, found.faults)
     assert found.meta is not None
