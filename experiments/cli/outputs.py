@@ -1,7 +1,8 @@
-"""What a verb writes lands neither on a file that it reads nor in a dataset: one check for all verbs."""
+"""What a verb writes lands neither on a file that is there nor in a dataset: one check for all verbs."""
 
 import functools
-from collections.abc import Iterator, Mapping
+import hashlib
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,8 @@ from swamp_rl.errors import UserError
 
 OUTPUTS = frozenset({"out", "log", "save", "video", "html"})
 """Parameters of verbs that name what is written."""
+BEGIN = 2**12
+"""Bytes of a picture that hold its texts."""
 
 
 def guard_inputs(app: typer.Typer) -> None:
@@ -28,6 +31,24 @@ def refuse_suffix(option: str, path: Path | None, *suffixes: str) -> None:
     """UserError where what an option names to be written ends in none of `suffixes`."""
     if path is not None and path.suffix.lower() not in suffixes:
         raise UserError(f"{option} {path}: end the name in {' or '.join(suffixes)}")
+
+
+def mark_of(source: Path) -> str:
+    """The text by which a picture is known to be an earlier one of this file or folder."""
+    return f"swamp-rl {hashlib.sha256(str(source.resolve()).encode()).hexdigest()}"
+
+
+def refuse_to_replace(told: str, path: Path, read: Iterable[Path]) -> None:
+    """UserError for a file that is there, but for an earlier picture of one of those that are read."""
+    if not path.is_file():
+        return  # a folder, a device such as /dev/stdout, or nothing
+    if any(one.is_file() and one.samefile(path) for one in read):
+        raise UserError(f"{told}: already exists and is read by this command; name another file")
+    begin = b""
+    with suppress(OSError), path.open("rb") as file:
+        begin = file.read(BEGIN)
+    if not any(mark_of(one).encode() in begin for one in read):
+        raise UserError(f"{told}: already exists; name another file, or remove it")
 
 
 def _guarded(verb: Any) -> Any:
@@ -60,9 +81,8 @@ def _refuse(told: str, path: Path, read: list[Path]) -> None:
     from swamp_rl.runs.schema import ANALYSIS, META
 
     place = path.resolve()
-    if path.is_file() and any(one.is_file() and one.samefile(path) for one in read):
-        raise UserError(f"{told}: already exists and is read by this command; name another file")
     for folder in place.parents:
         inside = place.relative_to(folder)
         if (folder / META).is_file() and inside.parts[0] != ANALYSIS:
             raise UserError(f"{told}: lies in the dataset {folder}; name a place outside it")
+    refuse_to_replace(told, path, read)

@@ -4,9 +4,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from swamp_rl.experiments.cli.outputs import refuse_suffix
+from swamp_rl.experiments.cli.outputs import mark_of, refuse_suffix, refuse_to_replace
 
 from swamp_rl.counted import counted
+from swamp_rl.errors import UserError
 
 runs_app = typer.Typer(help="Check, show, import and export recorded runs.", no_args_is_help=True)
 
@@ -18,7 +19,6 @@ BoatOption = Annotated[
 
 def boat_for(folder: Path, boat: str | None) -> str | None:
     """The boat that was named for a folder; UserError where that says it itself."""
-    from swamp_rl.errors import UserError
     from swamp_rl.runs.dataset import META, parse
 
     told, _ = parse(folder) if boat is not None and (folder / META).exists() else (None, [])
@@ -61,9 +61,13 @@ def show(
 
     from swamp_rl.runs import read_dataset
 
-    out = out or Path("results") / f"{folder.resolve().name}-tracks.png"
-    refuse_suffix("--out", out, ".png")
+    place = out or Path("results") / f"{folder.resolve().name}-tracks.png"
+    refuse_suffix("--out", place, ".png")
+    refuse_to_replace(f"--out {place}", place, [folder])
     dataset = read_dataset(folder, boat_for(folder, boat))
     Console(markup=False).print(run_table(dataset))
-    draw_tracks(dataset, out)
-    typer.echo(f"tracks drawn in {out}")
+    try:
+        draw_tracks(dataset, place, mark_of(folder))
+    except UserError as error:
+        raise UserError(f"{error}, or name another place with --out") from error
+    typer.echo(f"tracks drawn in {place}")

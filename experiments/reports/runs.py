@@ -39,8 +39,11 @@ def run_table(dataset: Dataset) -> Table:
     return table
 
 
-def draw_tracks(dataset: Dataset, path: Path) -> None:
-    """PNG of every track, north up, coloured by outcome, with the course where the dataset names one."""
+def draw_tracks(dataset: Dataset, path: Path, source: str) -> None:
+    """PNG of every track, north up, coloured by outcome, with the course where the dataset names one.
+
+    source: kept in the picture as the text of that name.
+    """
     with styled(), write_beside(path) as part:
         figure = Figure(figsize=(5.2, 6.0), layout="constrained")
         axes = figure.subplots()
@@ -55,7 +58,7 @@ def draw_tracks(dataset: Dataset, path: Path) -> None:
             f"{dataset.folder.resolve().name}: {counted(len(dataset.runs), 'run')}, {dataset.meta.source}"
         )
         figure.legend(loc="outside lower center", ncols=4)
-        figure.savefig(part)
+        figure.savefig(part, metadata={"Source": source})
 
 
 def _by_outcome(dataset: Dataset) -> list[tuple[str, str, str, list[Run]]]:

@@ -1,6 +1,7 @@
 """No verb writes over a file that it reads, or into a dataset."""
 
 import hashlib
+import shutil
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,48 @@ def test_a_file_that_is_read_is_not_replaced(call: Call, dataset: dict[str, str]
         said = call("simulate", "--commands", "apart/run.parquet", "--out", out)
         assert_complains(said, out, "already exists and is read by this command", "name another file")
     assert Path("apart/run.parquet").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "simulate --commands runs/run-001.parquet --out mine.csv",
+        "simulate --commands runs/run-001.parquet --out mine.csv --window 2",
+        "demo runs --html mine.html",
+        "demo runs --save mine.rrd",
+        "demo runs --video mine.gif",
+        "runs show runs --out mine.png",
+        "vehicle --seconds 1 --log mine.log",
+        "export reservoir --out mine.onnx",
+        "bench --out mine.json",
+    ],
+)
+def test_a_file_that_is_there_is_not_replaced(call: Call, dataset: dict[str, str], words: str) -> None:
+    name = next(word for word in words.split() if word.startswith("mine."))
+    Path(name).write_text("important")
+    assert_complains(call(*words.split()), f"{name}: already exists; name another file, or remove it")
+    assert Path(name).read_text() == "important"
+
+
+def test_tracks_are_drawn_anew_for_the_same_runs_and_not_over_those_of_others_of_the_name(
+    call: Call, dataset: dict[str, str]
+) -> None:
+    Path("other").mkdir()
+    shutil.copytree("runs", "other/runs")
+    for _ in range(2):
+        assert call("runs", "show", "runs")[0] == 0
+    drawn = Path("results/runs-tracks.png").read_bytes()
+    said = call("runs", "show", "other/runs")
+    assert_complains(said, "--out results/runs-tracks.png: already exists; name another file, or remove it")
+    assert Path("results/runs-tracks.png").read_bytes() == drawn
+    assert call("runs", "show", "other/runs", "--out", "other.png")[0] == 0
+
+
+def test_where_tracks_cannot_be_written_another_place_is_asked_for(
+    call: Call, dataset: dict[str, str]
+) -> None:
+    Path("results").write_text("")
+    assert_complains(call("runs", "show", "runs"), "results", "name another place with --out")
 
 
 def test_beside_a_dataset_and_in_its_folder_of_analyses_is_allowed(
