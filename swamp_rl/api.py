@@ -103,8 +103,8 @@ def identify(
     """
     if model not in get_args(Model):
         raise UserError(f"identify: unknown model {model!r}{nearest(str(model), get_args(Model))}")
-    named = None if isinstance(boat, Boat) else boat
-    dataset = runs if isinstance(runs, Dataset) else read_dataset(runs, named)
+    file = None if isinstance(boat, Boat) else boat
+    dataset = runs if isinstance(runs, Dataset) else read_dataset(runs, file)
     vessel = dataset.boat if boat is None else _loaded(boat)
     motion = motions_of(dataset.runs, vessel, smooth)
     if model == "yaw-model":

@@ -195,7 +195,7 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
     found = _configs() / kind / f"{given}.yaml"
     if not is_file(found):
         if given.suffix and is_file(given):
-            raise UserError(f"{clipped(given)}: is no YAML file; name a {one} that ends in .yaml")
+            raise UserError(f"{clipped(given)}: is no YAML file; {kind} are files that end in .yaml")
         beside = [name for name in (f"{given}.yaml", f"{given}.yml") if is_file(Path(name))]
         near = beside or difflib.get_close_matches(clipped(given), config_names(kind), 1)
         hint = f"did you mean {clipped(near[0])!r}? " if near else ""

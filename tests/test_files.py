@@ -281,7 +281,7 @@ def test_a_file_that_is_no_yaml_is_not_called_missing(
 ) -> None:
     (tmp_path / "mine.txt").write_text("name: mine\n")
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(UserError, match=r"mine\.txt: is no YAML file"):
+    with pytest.raises(UserError, match=r"mine\.txt: is no YAML file; \w+ are files that end in \.yaml"):
         find_config("boats", "mine.txt")
 
 

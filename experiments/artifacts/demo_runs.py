@@ -20,6 +20,7 @@ from swamp_rl.pilots.arguments import BUILT_IN, Asked, asked_pilot, known_names,
 from swamp_rl.runs import DatasetMeta, Run, read_dataset, read_run
 from swamp_rl.runs.copies import course_file
 from swamp_rl.runs.dataset import META, boat_of, read_meta
+from swamp_rl.runs.describe import is_table
 
 RESULTS = "results.json"
 
@@ -136,6 +137,11 @@ def _read(source: Path) -> Found:
 
 def _read_dataset(folder: Path, group: str | None = None, kept: Path | None = None) -> Found:
     """kept: the folder of courses that came with the results, for a dataset of before it had its own."""
+    if not (folder / META).exists() and any(map(is_table, folder.iterdir())):
+        raise UserError(
+            f"{folder}: has no {META} to tell the boat of its runs; write vehicle: NAME into one, or import "
+            "them: swamp-rl runs import"
+        )
     dataset = read_dataset(folder)
     course = _course(folder, dataset.meta, kept, dataset.boat)
     groups: dict[str, list[Run]] = {}

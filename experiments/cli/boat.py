@@ -47,7 +47,10 @@ def new(
     from swamp_rl.simulator import parameters
 
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,63}", name):
-        raise UserError(f"{name!r}: a boat's name has letters, digits, _ and -, a letter first, 64 at most")
+        raise UserError(
+            f"{name!r}: a boat's name has letters from A to Z or a to z, digits, _ and -, a letter first, 64 "
+            "at most"
+        )
     path = out or Path(f"{name}.yaml")
     refuse_suffix("--out", path, ".yaml", ".yml")
     if path.exists():

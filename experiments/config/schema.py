@@ -18,7 +18,9 @@ NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
 
 def _plain(name: str) -> str:
     if not re.match(NAME, name) or name.endswith("\n"):
-        raise ValueError(f"{name!r} may have letters, digits, _, . and - only, a letter or a digit first")
+        raise ValueError(
+            f"{name!r} may have letters, digits, _, . and - of ASCII only, a letter or a digit first"
+        )
     return name
 
 

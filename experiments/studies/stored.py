@@ -1,5 +1,6 @@
 """Evaluate pilots that are trained already: those of an experiment's folder, or any that are stored."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -48,7 +49,9 @@ def evaluate_folders(
     if len(pilots) == 1 and experiment is None and home is not None and not _is_pilot(folders[0]):
         return _of_results(home, asked, overrides, out)
     others = {
-        pilot.name: {"kind": pilot.kind, "options": pilot.options} for pilot in pilots if not pilot.folder
+        _plain(pilot.name): {"kind": pilot.kind, "options": pilot.options}
+        for pilot in pilots
+        if not pilot.folder
     }
     place = out or Path("results") / "evaluation"
     return _of_pilots(folders, others, experiment, asked, overrides, place)
@@ -121,11 +124,16 @@ def _pilots_in(folders: Sequence[Path]) -> dict[str, Path]:
     named: dict[str, Path] = {}
     for name, folder in zip(names, found, strict=True):
         home = _home(folder) or folder.resolve().parent
-        called = name if names.count(name) == 1 else f"{home.name}-{name}"
+        called = _plain(name if names.count(name) == 1 else f"{home.name}-{name}")
         if called in named:
             raise UserError(f"{folder}: another pilot is called {called} as well; rename one folder")
         named[called] = folder
     return named
+
+
+def _plain(name: str) -> str:
+    """The name of a file or a folder as an experiment may call a pilot."""
+    return re.sub(r"[^A-Za-z0-9_.-]", "_", name).lstrip("_.-")[:100] or "pilot"
 
 
 def _is_pilot(folder: Path) -> bool:

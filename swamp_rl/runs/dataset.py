@@ -20,6 +20,7 @@ from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.runs.table import FORMATS, Table, read_table
 from swamp_rl.sums import SUMS, changed
 
+NO_FOLDER = "is a file, not a folder of runs; swamp-rl runs import makes one of a log"
 SUFFIXES = tuple(f".{kind}" for kind in FORMATS)
 
 
@@ -132,7 +133,7 @@ def inspect_dataset(
     """
     folder = Path(folder)
     if is_file(folder):
-        raise UserError(f"{folder}: is a file, not a folder of runs; swamp-rl runs import makes one of a log")
+        raise UserError(f"{folder}: {NO_FOLDER}")
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder; name one that holds a {META}")
     told, faults = parse(folder, boat, course)
@@ -183,6 +184,8 @@ def own_boat(folder: Path) -> str | Path:
 
 def files_of(folder: Path) -> list[Path]:
     """All files that a dataset is made of: description, copies, runs; UserError where one is not there."""
+    if is_file(folder):
+        raise UserError(f"{folder}: {NO_FOLDER}")
     if not (folder / META).exists():
         found = sorted(path.name for path in folder.iterdir() if is_table(path)) if folder.is_dir() else []
         if not found:

@@ -57,6 +57,7 @@ def test_the_check_writes_a_report_with_its_figures(call: Call) -> None:
     [
         (["skiff", "--kind", "sail", *SIZES], "--kind sail"),
         (["../skiff", "--kind", "azimuth", *SIZES], "a boat's name has letters"),
+        (["jölle", "--kind", "azimuth", *SIZES], "a boat's name has letters from A to Z or a to z"),
         (
             ["skiff", "--kind", "azimuth", *SIZES, "--out", "skiff.txt"],
             "end the name in .yaml or .yml",

@@ -125,6 +125,10 @@ def test_what_is_asked_wrongly_is_one_line(
         (["onnx:missing.onnx"], "missing.onnx: No such file"),
         (["nothing.like.it:Pilot"], "nothing.like.it:Pilot: cannot be imported"),
         (["pond", "line-of-sight"], "the runs have no course"),
+        (
+            ["tables"],
+            "tables: has no dataset.yaml to tell the boat of its runs; write vehicle: NAME into one",
+        ),
         (["other"], "was made for boat launch (5 m, thrusters azimuth jet), it cannot drive swamp (1.24 m"),
         (["damaged"], "pilot.json: was changed since it was written"),
         (["pond", "--html", "file/a.html"], "a folder is needed there"),
@@ -141,8 +145,10 @@ def test_a_source_that_cannot_be_shown_is_one_line_and_leaves_nothing(
     description = tmp_path / "damaged" / "pilot.json"
     description.write_text(description.read_text().replace("launch", "laundry"))
     (tmp_path / "file").write_text("")
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "tables" / "one.csv").write_text("time\n")
     assert_complains(call("demo", *sources, *([] if "--html" in sources else ["--html", "a.html"])), part)
-    assert {path.name for path in tmp_path.iterdir()} == {"pond", "other", "damaged", "file"}
+    assert {path.name for path in tmp_path.iterdir()} == {"pond", "other", "damaged", "file", "tables"}
 
 
 def test_a_damaged_pilot_of_the_package_asks_for_a_new_installation(

@@ -3,12 +3,14 @@
 from pathlib import Path
 
 import pytest
+from swamp_rl.experiments.artifacts.provenance import with_data_hash
 from swamp_rl.experiments.config.layers import merged
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import config_files, read_scene
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.files import find_config
 
 SMALL = """
 name: small
@@ -153,7 +155,7 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
         ("evaluation.levels=[calm, calm]", "same name"),
         ("step=.nan", "step"),
         ("name=../elsewhere", "name"),
-        ("name=my first try", "name: 'my first try' may have letters, digits"),
+        ("name=my first try", "name: 'my first try' may have letters, digits, _, . and - of ASCII only"),
         ("evaluation.levels=calm", "evaluation.levels: must be a list, not 'calm'"),
         ("evaluation.levels=[]", "evaluation.levels: must have 1 or more entries, not 0\n"),
         (f"name={'a' * 101}", "name: must have 100 or fewer characters"),
@@ -169,6 +171,18 @@ def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, over
     message = complaint(write(tmp_path, SMALL), override)
     assert all(line.startswith(f"--set {clipped(override)[:30]}") for line in message.split("\n"))
     assert told in f"{message}\n"
+
+
+def test_a_boat_file_and_runs_in_place_of_what_is_needed_are_told_in_one_line(tmp_path: Path) -> None:
+    boat = find_config("boats", "swamp")
+    assert complaint(boat) == (
+        f"{boat}: is a boat file (length, breadth, draught), not an experiment; name an experiment, whose "
+        "key boat names this file"
+    )
+    (tmp_path / "run.csv").write_text("time\n")
+    told = "is a file, not a folder of runs; swamp-rl runs import makes one of a log"
+    with pytest.raises(UserError, match=f"run.csv: {told}"):
+        with_data_hash(load_experiment("smoke", f"data.folder={tmp_path / 'run.csv'}"), "smoke")
 
 
 def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_any(tmp_path: Path) -> None:

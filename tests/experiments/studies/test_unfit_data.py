@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from swamp_rl.experiments.studies.run import run_experiment, train_experiment
+from swamp_rl.experiments.studies.stored import evaluate_folders
 
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
@@ -13,7 +14,7 @@ from swamp_rl.pilots.store import save_pilot
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
 from swamp_rl.runs.schema import meta_of
 from tests.support.runs import circling
-from tests.support.tiny_experiment import write_tiny
+from tests.support.tiny_experiment import empty_figures, write_tiny
 
 
 def test_runs_without_a_success_are_refused_in_one_line(tmp_path: Path) -> None:
@@ -90,3 +91,17 @@ def test_a_stored_pilot_of_another_boat_is_refused_and_one_of_the_same_thrusters
     save_pilot(LineOfSightPilot(), tmp_path / "pilot", made=made)
     train_experiment(write_tiny(tmp_path, "scripted"), asked, tmp_path / "out")
     assert "pilots.mine: was made for boat swamp-light, it drives swamp" in capsys.readouterr().err
+
+
+def test_a_pilot_of_another_boat_is_evaluated_under_a_plain_name_and_the_report_tells_its_boat(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "pi lot"
+    save_pilot(LineOfSightPilot(), folder, made=made_for(load_boat("swamp-light"), "camogli", 0.1))
+    experiment = write_tiny(tmp_path, "scripted")
+    with empty_figures():
+        out = evaluate_folders(
+            folder, {"episodes": 1, "shown": 1}, ["data.record.good=1"], tmp_path / "out", str(experiment)
+        )
+    assert f"* **pi_lot**: stored in `{folder}`, made for boat swamp-light" in (out / "report.md").read_text()
+    assert "pilots.pi_lot: was made for boat swamp-light, it drives swamp" in capsys.readouterr().err
