@@ -6,15 +6,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.likelihood.prediction_error import (
-    Errors,
-    blocks_of,
-    boat_file_errors,
-    change,
-    expanded_tail,
-    gains,
-    position_rmse,
-)
+from swamp_rl.criticism.likelihood.prediction_error import Errors, blocks_of, change, expanded_tail, gains
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from tests.support.criticism import SECONDS, SIGMA, simulated_runs
 
@@ -62,13 +54,6 @@ def test_a_quantity_without_two_blocks_has_no_interval() -> None:
     error = np.ones((4, 1))
     assert change(error, error, np.zeros(4, int), rng) is None
     assert change(error * np.nan, error, np.arange(4), rng) is None
-
-
-@pytest.mark.parametrize("velocities", [True, False])
-def test_the_boat_that_sailed_predicts_runs_without_noise_exactly(velocities: bool) -> None:
-    found = simulated_runs([], velocities=velocities, noise=0.0)
-    weight = weights(found, noise_levels(found))
-    assert position_rmse(boat_file_errors(found, weight, 10.0)) < (1e-3 if velocities else 2e-2)
 
 
 def test_the_right_cause_brings_the_error_down_to_the_noise_and_a_mute_channel_stays_out() -> None:

@@ -4,21 +4,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.angles import turned
-from swamp_rl.criticism.data.measurement_noise import noise_floor
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
-NEAREST = 2  # rows to either side, of which a quadratic fit still smooths
-
 
 def smoothed_states(run_set: RunSet, weight: Array, windows: Windows) -> Array:
     """(W, 6) states at the windows' starts; weight: (R, T, 6).
 
     Local quadratic fits to the poses, whose slopes give velocities that were not measured. Linear
-    interpolation over lost rows. Of a channel without noise the sample itself, and the slope of the nearest.
+    interpolation over lost rows.
     """
     # longer for noisier positions: the error of a slope is proportional to span^(-3/2)
     noise = 1.0 / np.maximum(weight[:, :, 0].max(axis=1), 1e-6)
@@ -27,30 +24,17 @@ def smoothed_states(run_set: RunSet, weight: Array, windows: Windows) -> Array:
         options().smoothing_span,
         options().smoothing_span_rough,
     )
-    spans = np.maximum(NEAREST, np.rint(seconds / run_set.dt).astype(int))[windows.run]
-    without_noise = weight.max(axis=1) * noise_floor(run_set.boat) > 1.0 - 1e-9
+    spans = np.maximum(2, np.rint(seconds / run_set.dt).astype(int))[windows.run]
     states = np.empty((windows.count, 6))
     for span in np.unique(spans):
-        run, first = windows.run[spans == span], windows.first[spans == span]
-        level, rate, known = _smoothed(run_set, weight, run, first, int(span))
-        if without_noise.any():
-            _, near_rate, _ = _smoothed(run_set, weight, run, first, NEAREST)
-            sample = run_set.measured[run, first]
-            level = np.where(without_noise[run] & np.isfinite(sample), sample, level)
-            rate = np.where(without_noise[run, :3], near_rate, rate)
-        ahead, aside = turned(rate[:, 0], rate[:, 1], -level[:, 2])
-        derived = np.stack([ahead, aside, rate[:, 2]], axis=1)
-        level[:, 3:] = np.where(known, level[:, 3:], derived)
-        states[spans == span] = level
+        mine = spans == span
+        states[mine] = _smoothed(run_set, weight, windows.run[mine], windows.first[mine], int(span))
     return states
 
 
 def _smoothed(
     run_set: RunSet, weight: Array, run: NDArray[np.int64], first: NDArray[np.int64], span: int
-) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """(W, 6) levels, (W, 3) rates of the pose, and (W, 3) whether velocities were measured, of `span` rows to
-    either side.
-    """
+) -> Array:
     place = np.arange(-span, span + 1)
     near = first[:, None] + place
     inside = (near >= 0) & (near < run_set.lengths[run][:, None])
@@ -60,7 +44,11 @@ def _smoothed(
     beside = ~(good[:, : span + 1].any(axis=1) & good[:, span:].any(axis=1))
     for w, c in zip(*np.nonzero(beside), strict=True):
         level[w, c], slope[w, c] = _across(run_set, weight, (run[w], c), first[w] + span * np.arange(-1, 2))
-    return level, slope[:, :3] / (span * run_set.dt), good[..., 3:].sum(axis=1) >= 3
+    rate = slope[:, :3] / (span * run_set.dt)
+    ahead, aside = turned(rate[:, 0], rate[:, 1], -level[:, 2])
+    derived = np.stack([ahead, aside, rate[:, 2]], axis=1)
+    known = good[..., 3:].sum(axis=1) >= 3
+    return np.concatenate([level[:, :3], np.where(known, level[:, 3:], derived)], axis=1)
 
 
 def _across(
