@@ -16,8 +16,10 @@ from swamp_rl.logs.join import Series, joined
 from swamp_rl.logs.log import Log, LogTable, words_of
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.logs.stamps import Stamps, from_numbers, from_words
+from swamp_rl.runs.columns import is_angle
 from swamp_rl.runs.faults import Fault, faults_at
 from swamp_rl.runs.import_foreign import Foreign
+from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.resample import ANGLES
 from swamp_rl.runs.schema import RunMeta
 from swamp_rl.runs.table import Table, cell_text
@@ -51,6 +53,7 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
         raise UserError(f"{log.file}: the mapping names no column but time; map north and east, and heading")
     used = list(dict.fromkeys(column.table for column in found.values() if column.table))
     used = used or list(log.tables)[:1]
+    log = replace(log, tables={**log.tables, **{n: _without_marks(log, mapping, found, n) for n in used}})
     stamps = {name: _stamps(log, log.tables[name], mapping) for name in used}
     told = dict(log.told) | _left_out(log, mapping, found, used)
     told |= {"times": times[0]} if (times := [s.told for s in stamps.values() if s.told]) else {}
@@ -77,6 +80,20 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
     table_of_all = Table(columns, rows, unread, faults)
     told["joined"] = grid.told
     return Foreign(log.file, log.name, table_of_all, RunMeta.model_validate(told))
+
+
+def _without_marks(log: Log, mapping: Mapping, found: Mapped[str, Column], table: str) -> LogTable:
+    """A table of the log, without the marks of a logger of tables."""
+    own = log.tables[table]
+    if own.time is not None:
+        return own
+    angles = [
+        theirs
+        for name, column in found.items()
+        if column.table == table and is_angle(column_of(name, mapping.frame_of(name)))
+        for theirs in column.names.values()
+    ]
+    return replace(own, table=without_marks(own.origin, own.table, angles))
 
 
 def _in_our_frame(log: Log, columns: Mapped[str, Array], mapping: Mapping) -> dict[str, Array]:

@@ -9,7 +9,6 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.logs.log import Log, LogTable
-from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.table import read_table
 
 
@@ -45,7 +44,7 @@ def read_folder_log(folder: Path, files: Sequence[Path], wanted: Collection[str]
 
 
 def _read(path: Path, name: str, origin: str) -> LogTable:
-    table = without_marks(path.name, read_table(path))
+    table = read_table(path)
     if not table.columns:
         raise UserError(f"{path.parent / str(table.faults[0])}; nothing was imported")
     return LogTable(name, table, kind="table", origin=origin)

@@ -73,6 +73,12 @@ def span_of(column: str, boat: Boat | None) -> Span | None:
     return _thruster_span(match["kind"], match["name"], match["applied"] is not None, boat)
 
 
+def is_angle(column: str) -> bool:
+    """Whether a column of the format is in radians."""
+    span = span_of(column, None)
+    return span is not None and span.unit == "rad"
+
+
 def _thruster_span(kind: str, name: str, applied: bool, boat: Boat) -> Span:
     named = [found for found in boat.thrusters if f"{kind}_{name}" in found.command_columns]
     if not named:

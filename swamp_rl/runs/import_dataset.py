@@ -13,6 +13,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
 from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.bad_rows import MOST_TOLD
+from swamp_rl.runs.columns import is_angle
 from swamp_rl.runs.copies import boat_file, course_file, write_copies
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.describe import rate_of, with_outcome, with_outcomes
@@ -319,7 +320,7 @@ def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tu
         return found, replace(wishes, units=units)
     folders = {file.parent for file in files}
     metas = {folder: read_meta(folder) for folder in folders if (folder / META).is_file()}
-    return [_read_table(file, kind, metas.get(file.parent)) for file in files], wishes
+    return [_read_table(file, kind, metas.get(file.parent), wishes) for file in files], wishes
 
 
 def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
@@ -333,12 +334,14 @@ def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
     return told[0][1] if told else None
 
 
-def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None) -> Foreign:
+def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None, wishes: Wishes) -> Foreign:
     if path.suffix.lower() not in SUFFIXES[kind]:
         raise UserError(f"{path}: is no {SUFFIXES[kind][0]} file; check --from {kind}")
     table = read_table(path)
     if dataset is None:
-        return Foreign(str(path), path.stem, without_marks(path.name, table))
+        ours = {theirs: our for our, theirs in wishes.renamed.items()}
+        angles = [name for name in table.columns if is_angle(ours.get(name, name))]
+        return Foreign(str(path), path.stem, without_marks(path.name, table, angles))
     meta = next((run for run in dataset.runs if run.file == path.name), RunMeta())
     return Foreign(str(path), path.stem, table, meta, dataset, home=path.parent)
 

@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 NO_FIX = "is 0 with longitude 0, as receivers give it without a fix; cut these rows (--bad-rows cut or split)"
 
+TURN = 2.0 * math.pi + 1e-9
 TIME_OF_DAY = re.compile(r"\d\d:\d\d")
 FASTEST = 20_000.0
 """Hz that the rows of a log do not come at; at 0.3 Hz, times in days seem to."""
@@ -118,12 +119,12 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
 
 
 def _wrap_angles(columns: dict[str, Array]) -> None:
-    """Bring headings and wind directions of up to a full turn into (−π, π]."""
+    """Bring headings and wind directions of up to a full turn into (−π, π], where most of a column are."""
     for name in ANGLES:
         values = columns.get(name, np.zeros(0))
         known = values[np.isfinite(values)]
-        if len(known) and np.abs(known).max() <= 2.0 * math.pi + 1e-9:
-            turned = np.isfinite(values) & ~((values > -math.pi) & (values <= math.pi))
+        if len(known) and np.median(np.abs(known)) <= TURN:
+            turned = (np.abs(values) <= TURN) & ~((values > -math.pi) & (values <= math.pi))
             columns[name] = values.copy()
             columns[name][turned] = wrapped(values[turned])
 

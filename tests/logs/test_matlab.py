@@ -83,3 +83,12 @@ def test_files_that_cannot_be_read_are_refused_in_one_line(tmp_path: Path) -> No
         with pytest.raises(UserError) as told:
             read_log(path, "matlab")
         assert words in str(told.value) and "\n" not in str(told.value)
+
+
+def test_a_mark_of_a_missing_value_is_told(tmp_path: Path) -> None:
+    angle = np.degrees(np.mod(weaving()["heading"], 2.0 * np.pi))
+    angle[40] = -999.0
+    with pytest.raises(UserError, match="row 41, column heading: is missing, marked by -999"):
+        about, wishes = About(boat=str(written(tmp_path, "twin"))), Wishes(units={"yaw": "deg"})
+        log = recorded(tmp_path / "log.mat", psi=angle)
+        import_logs([log], "matlab", tmp_path / "out", about, wishes, Reading(mapping_of(MAP)))

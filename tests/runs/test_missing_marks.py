@@ -1,5 +1,6 @@
 """Marks of missing values in logs of others: noticed, never taken for a place."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -87,3 +88,57 @@ def test_a_brief_mark_in_a_column_that_rarely_changes_is_one(tmp_path: Path) -> 
     rpm = np.where(np.arange(60) == 20, 9999.0, 30.0)
     run = with_shaft(tmp_path / "log.csv", rpm, Wishes(bad_rows="cut"))
     assert run.columns["speed_of_shaft"].tolist() == [30.0] * 39
+
+
+def compass(degrees: bool) -> np.ndarray:
+    """A heading of 0 to 360 degrees that crosses north five times, with a mark in one row."""
+    angle = np.round(
+        np.mod(30.0 * np.arange(60.0), 360.0) if degrees else np.mod(0.5 * np.arange(60.0), 6.28), 4
+    )
+    angle[30] = -999.0
+    return angle
+
+
+@pytest.mark.parametrize(
+    ("given", "degrees"),
+    [
+        ("yaw=psi", True),
+        ("heading=psi", True),
+        ("heading=psi", False),
+        ("heading=radians(psi)", True),
+        ("--column", True),
+        ("--column", False),
+    ],
+)
+def test_a_mark_in_a_compass_that_crosses_north_is_one(tmp_path: Path, given: str, degrees: bool) -> None:
+    path = tmp_path / "log.csv"
+    columns = {"time": TIME, "north": TIME, "east": TIME, "psi": compass(degrees)}
+    rows = [",".join(map(str, row)) for row in zip(*columns.values(), strict=True)]
+    path.write_text("\n".join([",".join(columns), *rows]) + "\n")
+    ours = "yaw" if given == "yaw=psi" else "heading"
+    wishes = Wishes(units={ours: "deg"} if degrees and "radians" not in given else {})
+
+    def made(wishes: Wishes) -> list[Run]:
+        if given == "--column":
+            import_runs([path], "csv", tmp_path / "out", None, replace(wishes, renamed={"heading": "psi"}))
+        else:
+            reading = Reading(mapping_of(["time=time", "north=north", "east=east", given]))
+            import_logs([path], "csv", tmp_path / "out", About(), wishes, reading)
+        return read_dataset(tmp_path / "out").runs
+
+    with pytest.raises(UserError) as told:
+        made(wishes)
+    (line,) = str(told.value).splitlines()
+    assert "row 31 (line 32), column heading: is missing, marked by -999" in line
+    runs = made(replace(wishes, bad_rows="split"))
+    assert [len(run.time) for run in runs] == [30, 29]
+
+
+def test_one_wrong_heading_leaves_the_others_wrapped(tmp_path: Path) -> None:
+    angle = np.where(np.arange(60) == 30, 500.0, 200.0 + np.arange(60.0))
+    columns = {"time": TIME, "north": TIME, "east": TIME, "heading": angle}
+    path = tmp_path / "log.csv"
+    rows = [",".join(map(str, row)) for row in zip(*columns.values(), strict=True)]
+    path.write_text("\n".join([",".join(columns), *rows]) + "\n")
+    runs = imported(path, "names", Wishes(units={"heading": "deg"}, bad_rows="split"))
+    assert [len(run.time) for run in runs] == [30, 29]
