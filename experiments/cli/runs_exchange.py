@@ -196,7 +196,7 @@ def _tell(out: Path, made: "DatasetMeta") -> None:
         for key in NOTED:
             if key in told:
                 typer.echo(clipped(f"{run.file}: {key.replace('_', ' ')}: {told[key]}", LONGEST))
-        for line in told.get("rows_left_out", ()):
+        for line in (*told.get("cells_left_out", ()), *told.get("rows_left_out", ())):
             typer.echo(clipped(f"{run.file}: {line}", LONGEST))
     rows = sum(run.rows or 0 for run in made.runs)
     typer.echo(

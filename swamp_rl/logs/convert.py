@@ -16,8 +16,9 @@ from swamp_rl.logs.join import Series, joined
 from swamp_rl.logs.log import Log, LogTable, words_of
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.logs.stamps import Stamps, from_numbers, from_words
+from swamp_rl.runs.bad_rows import first_of
 from swamp_rl.runs.columns import is_angle
-from swamp_rl.runs.faults import Fault, faults_at
+from swamp_rl.runs.faults import Fault, condensed, faults_at
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.resample import ANGLES
@@ -66,9 +67,11 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
     for name, column in found.items():
         table = column.table or used[0]
         offset = stamps[table].start - first + shifts.get(table, (0.0, ""))[0]
-        values = _values(log, mapping, name, column, stamps[table])
-        series[name] = Series(table, stamps[table].time + offset, values)
+        time, values = stamps[table].time + offset, _values(log, mapping, name, column, stamps[table])
+        series[name] = Series(table, time, values, _lost(log, mapping, name, column, time))
     series = _without_quaternion(log, series)
+    lost = condensed([fault for one in series.values() for _, fault in one.lost])
+    told |= {"cells_left_out": first_of([str(fault) for fault in lost])} if lost else {}
     for name in series.keys() & {"yaw", *ANGLES}:
         refuse_degrees(log.file, name, series[name].time, series[name].values)
     rate = rate or _rate(log, series)
@@ -143,6 +146,19 @@ def _single(
         unread["time"] = late
     whole = Table(columns, table.rows, unread, faults, table.whole)
     return Foreign(log.file, log.name, whole, RunMeta.model_validate(told))
+
+
+def _lost(log: Log, mapping: Mapping, name: str, column: Column, time: Array) -> list[tuple[float, Fault]]:
+    """The cells of a joined table that give a mapped column no value: of the times (T,) theirs [s], and the
+    fault."""
+    if column.table not in log.tables:
+        return []
+    table = log.tables[column.table].table
+    return [
+        (float(time[np.searchsorted(table.rows, fault.row)]), _renamed(_mapped(fault, name), mapping))
+        for fault in table.faults
+        if fault.row is not None and fault.column in column.names.values()
+    ]
 
 
 def _mapped(fault: Fault, ours: str) -> Fault:
@@ -235,10 +251,10 @@ def _without_quaternion(log: Log, series: dict[str, Series]) -> dict[str, Series
         raise UserError(
             f"{log.file}: the quaternion is mapped from tables {', '.join(sorted(tables))}; use one"
         )
-    first = series["qw"]
     parts = {name: series[name].values for name in QUATERNION}
+    lost = [cell for name in QUATERNION for cell in series[name].lost]
     kept = {name: one for name, one in series.items() if name not in QUATERNION}
-    return kept | {"yaw": Series(first.table, first.time, _yaw(parts))}
+    return kept | {"yaw": replace(series["qw"], values=_yaw(parts), lost=lost)}
 
 
 def _yaw(columns: dict[str, Array]) -> Array:

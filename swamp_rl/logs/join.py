@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +27,13 @@ number."""
 
 @dataclass(frozen=True)
 class Series:
-    """Values (T,) of one column at their times (T,) [s], and the table that has them."""
+    """Values (T,) of one column at their times (T,) [s], and the table that has them; `lost`: times [s] of
+    cells of the table without a value, and the faults that tell why."""
 
     table: str
     time: Array
     values: Array
+    lost: Sequence[tuple[float, Fault]] = field(default=())
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ def _whole(file: str, name: str, one: Series) -> Series:
     last = np.append(np.diff(time) > 0.0, True)[: len(time)]
     if last.sum() < 2:
         raise UserError(f"{file}: {one.table} has fewer than two values of {name}; map another field")
-    return Series(one.table, time[last], values[last])
+    return replace(one, time=time[last], values=values[last])
 
 
 def _pauses(
@@ -141,9 +143,17 @@ def _pauses(
         first, last = np.searchsorted(even, [one.time[i] + 1e-9, one.time[i + 1] - 1e-9])
         missing[first:last] = True
         if last > first:
-            told = f"{one.table} has no value for {steps[i]:.3g} s; --fill SECONDS fills it, --bad-rows cuts"
+            told = f"{one.table} has no value for {steps[i]:.3g} s{_cause(one, i)}"
+            told += "; --fill SECONDS fills it, --bad-rows cuts"
             faults.append(Fault(file, int(first) + 1, name, told, int(last)))
     return missing, faults
+
+
+def _cause(one: Series, i: int) -> str:
+    """The first cell without a value between two rows of a series, where there is one."""
+    inside = (fault for time, fault in one.lost if one.time[i] < time < one.time[i + 1])
+    fault = next(inside, None)
+    return "" if fault is None else f" ({str(fault).partition(';')[0]})"
 
 
 def _tables(series: Mapping[str, Series]) -> dict[str, Series]:

@@ -32,10 +32,15 @@ class Stretches:
     cut: list[str]
 
 
-def listed(lines: Sequence[str], ending: str) -> str:
-    """MOST_TOLD lines, the count of the others, and how it ends."""
+def first_of(lines: Sequence[str]) -> list[str]:
+    """MOST_TOLD lines, and the count of the others."""
     others = len(lines) - MOST_TOLD
-    told = list(lines[:MOST_TOLD]) + ([f"and {others} more faults"] if others > 0 else [])
+    return [*lines[:MOST_TOLD], *([f"and {others} more faults"] if others > 0 else [])]
+
+
+def listed(lines: Sequence[str], ending: str) -> str:
+    """The first of the lines, and how it ends."""
+    told = first_of(lines)
     return "\n".join([*told[:-1], f"{told[-1]}; {ending}"])
 
 
@@ -118,6 +123,4 @@ def _summary(rows: NDArray[np.int64], kept: list[NDArray[np.int64]], told: list[
         return []
     spans = ", ".join(f"{rows[part[0]]} to {rows[part[-1]]}" for part in kept[:MOST_TOLD])
     more = f" and {len(kept) - MOST_TOLD} more" if len(kept) > MOST_TOLD else ""
-    lines = [f"{len(rows) - count} of {len(rows)} rows left out; kept are rows {spans}{more}"]
-    others = len(told) - MOST_TOLD
-    return lines + told[:MOST_TOLD] + ([f"and {others} more faults"] if others > 0 else [])
+    return [f"{len(rows) - count} of {len(rows)} rows left out; kept are rows {spans}{more}", *first_of(told)]

@@ -223,7 +223,9 @@ def _with_hint(wishes: Wishes, fault: Fault) -> str:
         hint += f", or read it as times: {_option('--map time=', theirs or fault.column)}"
     elif "is not a number" in fault.message and fault.column not in REQUIRED:
         hint += f", or leave the column out: {_option('--drop ', theirs or fault.column)}"
-    elif fault.row is not None and any(words in fault.message for words in ROW_ALONE):
+    elif fault.row is None or "--bad-rows" in fault.message:
+        return f"{fault}{hint}"
+    elif any(words in fault.message for words in ROW_ALONE):
         hint += " (--bad-rows cut or split)"
     return f"{fault}{hint}"
 

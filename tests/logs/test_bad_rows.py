@@ -1,5 +1,6 @@
 """Rows of logs that are bad, whatever quantities the mapping reads."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
 from tests.support.binary_logs import bag
 from tests.support.from_scratch import written
-from tests.support.logs import csv_of, weaving
+from tests.support.logs import csv_of, geodetic, weaving
 
 ABSOLUTE = ["time=t", "north=n", "east=e", "heading=psi"]
 MAPPINGS = {
@@ -75,6 +76,71 @@ def test_a_row_without_a_quantity_of_an_enu_frame_is_told_by_the_column_of_the_r
     log = with_an_empty_cell(tmp_path, "n", 101)
     with pytest.raises(UserError, match=r"row 101 \(line 102\), column east: is missing"):
         imported(log, boat, MAPPINGS["x"][0], Wishes(), frame="enu")
+
+
+MARKED = {
+    "north": "x=pos.n",
+    "surge": "u=pos.speed",
+    "yaw_rate": "r=pos.turn",
+    "heading": "yaw=pos.psi",
+    "latitude": "latitude=pos.lat",
+    "throttle_port": "throttle_port=cmd.port",
+}
+
+
+def marked(folder: Path, ours: str, rows: slice) -> list[Path]:
+    """Tables of positions and of commands, with a mark in some rows of what becomes a column."""
+    was = weaving()
+    lat, lon = geodetic(was)
+    place = {"n": was["north"], "e": was["east"], "lat": lat, "lon": lon}
+    motion = {"psi": np.mod(4.0 * was["heading"], 6.28), "speed": was["surge"], "turn": was["yaw_rate"]}
+    tables = {"pos": place | motion, "cmd": {"port": was["throttle_port"], "stb": was["throttle_starboard"]}}
+    table, _, column = MARKED[ours].partition("=")[2].partition(".")
+    tables[table][column] = tables[table][column].copy()
+    tables[table][column][rows] = -999.0
+    made = {}
+    for name, columns in tables.items():
+        cells = {key: [repr(float(value)) for value in own] for key, own in columns.items()}
+        made[name] = {"t": [f"{t:.1f}" for t in was["time"]], **cells}
+    csv_of(folder / "both.csv", made["pos"] | made["cmd"])
+    return [csv_of(folder / f"{name}.csv", columns) for name, columns in made.items()]
+
+
+def with_place(ours: str) -> list[str]:
+    """Mapping of the marked tables: of latitude and longitude, or of x and y."""
+    place = "latitude=pos.lat longitude=pos.lon" if ours == "latitude" else "x=pos.n y=pos.e"
+    others = "time=t yaw=pos.psi u=pos.speed r=pos.turn"
+    return f"{place} {others} throttle_port=cmd.port throttle_starboard=cmd.stb".split()
+
+
+@pytest.mark.parametrize("ours", MARKED)
+def test_a_mark_of_any_quantity_is_told_and_its_row_cut(tmp_path: Path, boat: str, ours: str) -> None:
+    marked(tmp_path, ours, slice(100, 101))
+    options = [option.replace("pos.", "").replace("cmd.", "") for option in with_place(ours)]
+    with pytest.raises(UserError) as told:
+        imported(tmp_path / "both.csv", boat, options, Wishes())
+    (line,) = str(told.value).splitlines()
+    assert f"row 101 (line 102), column {ours}: is missing, marked by -999" in line
+    (run,) = imported(tmp_path / "both.csv", boat, options, Wishes(bad_rows="cut"))
+    assert len(run.time) == 200
+
+
+@pytest.mark.parametrize("ours", MARKED)
+def test_a_mark_in_a_joined_table_is_told_wherever_it_matters(tmp_path: Path, boat: str, ours: str) -> None:
+    def joined(rows: slice, wishes: Wishes) -> Run:
+        reading = Reading(mapping_of(with_place(ours)), join="both")
+        out = tmp_path / f"{rows.stop}-{wishes.bad_rows}"
+        import_logs(marked(tmp_path, ours, rows), "csv", out, About(boat=boat), wishes, reading)
+        (run,) = read_dataset(out).runs
+        return run
+
+    short = joined(slice(100, 101), Wishes())
+    (line,) = (short.meta.model_extra or {})["cells_left_out"]
+    told = rf"csv: row 101 \(line 102\), column {ours}: is missing, marked by -999"
+    assert re.search(told, line) and len(short.time) == 301
+    with pytest.raises(UserError, match=rf"has no value for 1\.1 s \(\w+\.{told}\); --fill SECONDS fills it"):
+        joined(slice(100, 110), Wishes())
+    assert len(joined(slice(100, 110), Wishes(bad_rows="cut")).time) == 191
 
 
 @pytest.mark.parametrize(("bad_rows", "rows"), [("cut", [121]), ("split", [101, 121])])
