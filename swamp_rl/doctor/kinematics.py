@@ -167,8 +167,11 @@ def _surge_against_speed(motions: Sequence[Motion]) -> list[Finding]:
     if given @ moved < 0.0:
         told, advice = "has the sign opposite to the speed made good along the heading", "change its sign"
         found.append(Finding("fault", "surge_flipped", ("surge",), told, advice, figures=figures))
-    if unit := _unit(ratio, SPEEDS):
+    units = (known[0].run.meta.model_extra or {}).get("units")
+    was = units.get("surge") if isinstance(units, dict) else None  # the unit that the import took it for
+    if (unit := _unit(ratio * SPEEDS.get(str(was), 1.0), SPEEDS)) and unit != was:
         told = f"is {ratio:.3g} times the speed of the positions along the heading, as {unit} are"
+        told += f" that were taken for {was}" if was in SPEEDS else ""
         found.append(
             Finding(
                 "fault", "unit", ("surge",), told, f"give it in m/s (--unit surge={unit})", figures=figures

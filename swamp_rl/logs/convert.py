@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping as Mapped
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,14 @@ from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.logs.clock import clock_offset
 from swamp_rl.logs.expression import Node, evaluated, names_in, parsed
-from swamp_rl.logs.frames import QUATERNION, column_of, in_our_frame, refuse_degrees, refuse_halves
+from swamp_rl.logs.frames import (
+    QUATERNION,
+    column_of,
+    in_our_frame,
+    names_by_column,
+    refuse_degrees,
+    refuse_halves,
+)
 from swamp_rl.logs.join import Series, joined
 from swamp_rl.logs.log import Log, LogTable, words_of
 from swamp_rl.logs.mapping import Mapping
@@ -56,7 +64,9 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
     used = used or list(log.tables)[:1]
     log = replace(log, tables={**log.tables, **{n: _without_marks(log, mapping, found, n) for n in used}})
     stamps = {name: _stamps(log, log.tables[name], mapping) for name in used}
-    told = dict(log.told) | _left_out(log, mapping, found, used)
+    told: dict[str, Any] = dict(log.told) | _left_out(log, mapping, found, used)
+    units = {column_of(name, mapping): unit for name, unit in mapping.units.items() if name in found}
+    told |= {"units": units} if units else {}
     told |= {"times": times[0]} if (times := [s.told for s in stamps.values() if s.told]) else {}
     if len(used) == 1 and log.tables[used[0]].time is None:
         return _single(log, mapping, found, stamps[used[0]], told)
@@ -82,7 +92,9 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
     faults = [_renamed(fault, mapping) for fault in grid.faults]
     table_of_all = Table(columns, rows, unread, faults)
     told["joined"] = grid.told
-    return Foreign(log.file, log.name, table_of_all, RunMeta.model_validate(told))
+    return Foreign(
+        log.file, log.name, table_of_all, RunMeta.model_validate(told), mapped=names_by_column(mapping)
+    )
 
 
 def _without_marks(log: Log, mapping: Mapping, found: Mapped[str, Column], table: str) -> LogTable:
@@ -93,7 +105,7 @@ def _without_marks(log: Log, mapping: Mapping, found: Mapped[str, Column], table
     angles = [
         theirs
         for name, column in found.items()
-        if column.table == table and is_angle(column_of(name, mapping.frame_of(name)))
+        if column.table == table and is_angle(column_of(name, mapping))
         for theirs in column.names.values()
     ]
     return replace(own, table=without_marks(own.origin, own.table, angles))
@@ -118,7 +130,7 @@ def _unread(
 
 
 def _single(
-    log: Log, mapping: Mapping, found: dict[str, Column], stamps: Stamps, told: dict[str, str]
+    log: Log, mapping: Mapping, found: dict[str, Column], stamps: Stamps, told: dict[str, Any]
 ) -> Foreign:
     """Of one table: its rows as they are, with the faults of the cells that the mapping reads."""
     table = log.tables[next((c.table for c in found.values() if c.table), next(iter(log.tables)))].table
@@ -145,7 +157,7 @@ def _single(
         )
         unread["time"] = late
     whole = Table(columns, table.rows, unread, faults, table.whole)
-    return Foreign(log.file, log.name, whole, RunMeta.model_validate(told))
+    return Foreign(log.file, log.name, whole, RunMeta.model_validate(told), mapped=names_by_column(mapping))
 
 
 def _lost(log: Log, mapping: Mapping, name: str, column: Column, time: Array) -> list[tuple[float, Fault]]:
@@ -170,7 +182,7 @@ def _mapped(fault: Fault, ours: str) -> Fault:
 def _renamed(fault: Fault, mapping: Mapping) -> Fault:
     """The fault of a mapped column, of the column of the run that is made of it."""
     name = str(fault.column)
-    return replace(fault, column=column_of(name, mapping.frame_of(name)))
+    return replace(fault, column=column_of(name, mapping))
 
 
 def _resolved(log: Log, name: str, node: Node) -> Column:
@@ -213,7 +225,7 @@ def _values(log: Log, mapping: Mapping, name: str, column: Column, stamps: Stamp
     there = {word: log.tables[column.table].table.columns[theirs] for word, theirs in column.names.items()}
     values = np.array(np.broadcast_to(evaluated(column.node, there, stamps.time), stamps.time.shape))
     unit = mapping.units.get(name)
-    return values if unit is None else values * factor(name, unit, column_of(name, mapping.frame_of(name)))
+    return values if unit is None else values * factor(name, unit, column_of(name, mapping))
 
 
 def _stamps(log: Log, table: LogTable, mapping: Mapping) -> Stamps:

@@ -1,14 +1,15 @@
 """Positions, attitudes and velocities of ENU and NED frames as columns of a run."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from collections.abc import Mapping as Mapped
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.angles import wrapped
 from swamp_rl.errors import UserError
-from swamp_rl.logs.mapping import Frame
+from swamp_rl.logs.mapping import Frame, Mapping
 from swamp_rl.runs.check import counts_turns
 
 Array = NDArray[np.float64]
@@ -28,16 +29,23 @@ BECOMES = {
 """Columns of a run by the mapped quantities that `in_our_frame` makes them of, in NED."""
 EXCHANGED = {"x": "y", "y": "x", "vx": "vy", "vy": "vx"}
 """Axes of ENU by those of NED."""
+TURNED = (*QUATERNION, "vx", "vy", "velocity_north", "velocity_east")
+"""Quantities of which several make a column of a run."""
 
 
-def column_of(name: str, frame: Frame) -> str:
-    """The column of a run that a mapped one becomes; of a velocity over ground, which gives surge and sway,
-    the one that has most of it at heading 0."""
-    name = EXCHANGED.get(name, name) if frame == "enu" else name
+def column_of(name: str, mapping: Mapping) -> str:
+    """The column of a run that a quantity of a mapping becomes; of a velocity over ground, which gives surge
+    and sway, the one that has most of it at heading 0."""
+    name = EXCHANGED.get(name, name) if mapping.frame_of(name) == "enu" else name
     return BECOMES.get(name, name)
 
 
-def refuse_halves(names: Mapping[str, object]) -> None:
+def names_by_column(mapping: Mapping) -> dict[str, str]:
+    """The quantities of a mapping by the columns of a run that each alone becomes."""
+    return {column_of(name, mapping): name for name in mapping.columns if name not in TURNED}
+
+
+def refuse_halves(names: Mapped[str, object]) -> None:
     """UserError where a mapping has part of a group, or two sources of one column."""
     for group in TOGETHER:
         missing = [name for name in group if name not in names]
@@ -72,7 +80,7 @@ def refuse_degrees(file: str, name: str, time: Array, angle: Array) -> None:
         )
 
 
-def in_our_frame(columns: Mapping[str, Array], frame_of: Callable[[str], Frame]) -> dict[str, Array]:
+def in_our_frame(columns: Mapped[str, Array], frame_of: Callable[[str], Frame]) -> dict[str, Array]:
     """Columns (T,) of a run from those that a mapping gave, each in the frame that is told of its name.
 
     NED: x north, y east, z down, yaw clockwise from north; body axes forward, starboard, down.

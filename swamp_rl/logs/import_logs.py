@@ -1,6 +1,7 @@
 """From logs of other recorders to one dataset, by a mapping, whole or not at all."""
 
 from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Mapping as Mapped
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -14,6 +15,7 @@ from swamp_rl.logs.azimuths import with_nearest_azimuths
 from swamp_rl.logs.convert import foreign_of
 from swamp_rl.logs.dataflash import read_dataflash
 from swamp_rl.logs.defaults import default_mapping, ros_kinds, wanted_messages
+from swamp_rl.logs.frames import names_by_column
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.logs.matlab import read_matlab
@@ -78,10 +80,7 @@ def import_logs(
     if reading.join is not None:
         logs, mappings = [_as_one(logs, reading.join)], mappings[:1]
     pairs = list(zip(logs, mappings, strict=True))
-    unknown = [name for name in wishes.units if name not in pairs[0][1].columns]
-    if unknown:
-        there = ", ".join(pairs[0][1].columns)
-        raise UserError(f"--unit or --degrees {unknown[0]}: the mapping has no such column; it has {there}")
+    _refuse_units(pairs[0][1], wishes.units)
     single = [_foreign(log, own, mapping, kind, boat, wishes) for log, own in pairs]
     if wishes.resample is None and (rate := _common_rate(single)) is not None:
         single = [
@@ -90,6 +89,18 @@ def import_logs(
     even = all("joined" in (one.meta.model_extra or {}) for one in single)
     rest = replace(wishes, units={}, resample=None if even else wishes.resample)
     return import_tables(single, out, about, rest)
+
+
+def _refuse_units(mapping: Mapping, units: Mapped[str, str]) -> None:
+    """UserError for a unit of what the mapping does not give, with what becomes such a column."""
+    for ours, unit in units.items():
+        if ours not in mapping.columns:
+            made = names_by_column(mapping).get(ours)
+            hint = f"; {made} becomes {ours}: --unit {made}={unit}" if made else ""
+            there = ", ".join(mapping.columns)
+            raise UserError(
+                f"--unit or --degrees {ours}: the mapping has no such column; it has {there}{hint}"
+            )
 
 
 def _common_rate(single: Sequence[Foreign]) -> float | None:

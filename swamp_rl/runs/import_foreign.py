@@ -41,7 +41,8 @@ ROW_ALONE = "is missing", "is not a number", "no finite number", "cut short", "d
 class Foreign:
     """A table as a file has it, columns under their names there; `meta` and `dataset` are what the file
     itself tells of the run and its dataset, where it does, and `copies` the files of its boat and course;
-    `home` is the folder of a dataset whose copies lie beside the file."""
+    `home` is the folder of a dataset whose copies lie beside the file; `mapped`: the names that a mapping has
+    for the columns that it made."""
 
     file: str
     name: str
@@ -50,6 +51,7 @@ class Foreign:
     dataset: DatasetMeta | None = None
     copies: Mapping[str, bytes] = field(default_factory=dict)
     home: Path | None = None
+    mapped: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -79,30 +81,33 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
     columns, faults, unread = _renamed(found, wishes)
     rows, told = found.table.rows, found.meta.model_dump(exclude={"file", "rows"})
     if not found.table.columns:
-        refuse(wishes, faults)
+        refuse(found, wishes, faults)
     for name, unit in wishes.units.items():
         if name not in columns:
             raise UserError(f"{found.file}: has no column {name} to be given in {unit}; check the name")
         columns[name] = columns[name] * factor(name, unit)
+    told |= {"units": dict(wishes.units)} if wishes.units else {}
     if wishes.rate is not None:
         columns["time"] = np.arange(len(rows)) / wishes.rate
         told["times"] = f"counted, {wishes.rate:g} rows a second"
     else:
-        refuse(wishes, _times_in_days(found.file, columns.get("time", np.zeros(0))))
+        refuse(found, wishes, _times_in_days(found.file, columns.get("time", np.zeros(0))))
     more, place = _place(found, columns, unread, wishes.origin)
     faults, told = faults + more, told | place
     _wrap_angles(columns)
     faults += check_table(found.file, Table(columns, rows, unread), boat, None)
-    faults += _spelled_otherwise(found.file, list(columns), boat)
+    faults += _spelled_otherwise(found, list(columns), boat)
     if wishes.bad_rows == "refuse":
         time = columns.get("time", np.zeros(2))
         if wishes.resample is not None and bool(np.all(np.diff(time) > 0.0)):
             # Uneven steps are what resampling is for, gaps and steps back are not.
             faults = [fault for fault in faults if fault.column != "time"]
             faults += gap_faults(found.file, time, rows, wishes.fill)
-        refuse(wishes, faults)
+        refuse(found, wishes, faults)
         return [_run(found.name, columns, told, wishes.resample)]
-    refuse(wishes, [f for f in faults if f.row is None and (f.column != "time" or "missing" in f.message)])
+    refuse(
+        found, wishes, [f for f in faults if f.row is None and (f.column != "time" or "missing" in f.message)]
+    )
     wrong = [fault for fault in faults if fault.row is not None and not _of_steps(fault)]
     even = wishes.resample is None
     kept = stretches(found.file, columns, rows, wrong, wishes.bad_rows, even, wishes.fill)
@@ -111,7 +116,9 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
     for number, part in enumerate(kept.kept, 1):
         name = found.name if wishes.bad_rows == "cut" else f"{found.name}-{number}"
         taken = {column: values[part] for column, values in columns.items()}
-        refuse(wishes, [f for f in check_table(found.file, Table(taken, rows[part]), boat, None) if even])
+        refuse(
+            found, wishes, [f for f in check_table(found.file, Table(taken, rows[part]), boat, None) if even]
+        )
         own = of_part(told, first=part[0] == 0, last=part[-1] == len(rows) - 1)
         runs.append(_run(name, taken, own, wishes.resample))
         told.pop("rows_left_out", None)
@@ -129,15 +136,16 @@ def _wrap_angles(columns: dict[str, Array]) -> None:
             columns[name][turned] = wrapped(values[turned])
 
 
-def _spelled_otherwise(file: str, names: Sequence[str], boat: Boat) -> list[Fault]:
+def _spelled_otherwise(found: Foreign, names: Sequence[str], boat: Boat) -> list[Fault]:
     """The faults of columns that the run format has in small letters and without spaces; `check_table` tells
     of those that a run must have."""
     faults = []
     for name in names:
         ours = name.strip().lower()
         if ours not in {*names, *REQUIRED} and _is_known(ours, boat) and not _is_known(name, boat):
-            told = f"is {ours} of the run format; name it so: --column {ours}={shlex.quote(name)}"
-            faults.append(Fault(file, None, name, told))
+            where = " in the mapping" if found.mapped else f": --column {ours}={shlex.quote(name)}"
+            told = f"is {ours} of the run format; name it so{where}"
+            faults.append(Fault(found.file, None, name, told))
     return faults
 
 
@@ -198,31 +206,33 @@ def _renamed(
     return {ours.get(name, name): values for name, values in kept.items()}, faults, unread
 
 
-def refuse(wishes: Wishes, faults: Sequence[Fault]) -> None:
-    """Raise the faults, each with the column's name in the file and the option that may help."""
+def refuse(found: Foreign, wishes: Wishes, faults: Sequence[Fault]) -> None:
+    """Raise the faults of a table, each with the column's name in the file and the option that may help."""
     if faults:
-        raise UserError(
-            listed([_with_hint(wishes, fault) for fault in condensed(faults)], "nothing was imported")
-        )
+        told = [_with_hint(wishes, fault, found.mapped) for fault in condensed(faults)]
+        raise UserError(listed(told, "nothing was imported"))
 
 
-def _with_hint(wishes: Wishes, fault: Fault) -> str:
+def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:
+    name = mapped.get(fault.column or "", fault.column)
     theirs = wishes.renamed.get(fault.column or "")
     hint = f" (there {theirs!r})" if theirs else ""
     if fault.column in REQUIRED and MISSING in fault.message:
-        hint = f", or name it: --column {fault.column}=THEIRS, or --map (--list shows what is there)"
+        column = "" if mapped else f"--column {fault.column}=THEIRS, or "
+        hint = f", or name it: {column}--map {fault.column}=THEIRS (--list shows what is there)"
     elif fault.column == "time" and "resample" in fault.message:
         hint += " (--resample HZ), or divide it (--bad-rows split)"
     elif NO_THRUSTER in fault.message:
-        hint += " (--map or --column, --drop, --boat)"
+        hint += " (--map, --boat)" if mapped else " (--map or --column, --drop, --boat)"
     elif "degrees" in fault.message and fault.column not in IN_DEGREES:
-        hint += " (--unit yaw_rate=deg/s)" if fault.column == "yaw_rate" else f" (--degrees {fault.column})"
+        hint += f" (--unit {name}=deg/s)" if fault.column == "yaw_rate" else f" (--degrees {name})"
     elif "percent" in fault.message:
-        hint += f" (--unit {fault.column}=percent)"
+        hint += f" (--unit {name}=percent)"
     elif "is not a number" in fault.message and TIME_OF_DAY.search(fault.message):
         hint += f", or read it as times: {_option('--map time=', theirs or fault.column)}"
     elif "is not a number" in fault.message and fault.column not in REQUIRED:
-        hint += f", or leave the column out: {_option('--drop ', theirs or fault.column)}"
+        drop = f": {_option('--drop ', theirs or fault.column)}"
+        hint += f", or leave the column out{' of the mapping' if mapped else drop}"
     elif fault.row is None or "--bad-rows" in fault.message:
         return f"{fault}{hint}"
     elif any(words in fault.message for words in ROW_ALONE):

@@ -174,7 +174,7 @@ def test_rows_without_times_are_counted(tmp_path: Path) -> None:
     assert made.sample_rate == 5.0
     run = read_dataset(tmp_path / "out").runs[0]
     assert run.time == pytest.approx(np.arange(40) / 5.0)
-    assert run.meta.model_extra == {"times": "counted, 5 rows a second"}
+    assert run.meta.model_extra == {"times": "counted, 5 rows a second", "units": {"heading": "deg"}}
 
 
 def test_uneven_rows_are_resampled_when_asked_and_the_run_says_so(tmp_path: Path) -> None:

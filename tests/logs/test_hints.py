@@ -1,0 +1,78 @@
+"""Options that a complaint about a mapped column names: those that a mapping takes."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.doctor.examine import examine
+from swamp_rl.errors import UserError
+from swamp_rl.logs.import_logs import Reading, import_logs
+from swamp_rl.logs.mapping import mapping_of
+from swamp_rl.runs import Run, read_dataset
+from swamp_rl.runs.import_dataset import About
+from swamp_rl.runs.import_foreign import Wishes
+from tests.support.from_scratch import written
+from tests.support.logs import csv_of, weaving
+
+MAP = ["time=t", "x=n", "y=e", "yaw=psi", "throttle_port=port", "throttle_starboard=stb"]
+
+
+@pytest.fixture
+def boat(tmp_path: Path) -> str:
+    return str(written(tmp_path, "twin"))
+
+
+def imported(folder: Path, boat: str, more: list[str], units: dict[str, str], frame: str = "ned") -> Run:
+    """The run of a log with a surge, a yaw rate in degrees a second and words."""
+    was = weaving()
+    columns = {"t": was["time"], "n": was["north"], "e": was["east"], "psi": was["heading"]}
+    columns |= {"port": was["throttle_port"], "stb": was["throttle_starboard"]}
+    columns |= {"speed": was["surge"], "turn": np.degrees(was["yaw_rate"])}
+    cells = {name: [repr(float(value)) for value in column] for name, column in columns.items()}
+    log = csv_of(folder / "log.csv", {**cells, "mode": ["AUTO"] * 301})
+    reading = Reading(mapping_of([*MAP, *more], frame))
+    import_logs([log], "csv", folder / "out", About(boat=boat), Wishes(units=units), reading)
+    (run,) = read_dataset(folder / "out").runs
+    return run
+
+
+@pytest.mark.parametrize(
+    ("more", "part"),
+    [
+        (["r=turn"], "column yaw_rate: looks like degrees .* \\(--unit r=deg/s\\)"),
+        (["yaw_rate=turn"], "column yaw_rate: looks like degrees .* \\(--unit yaw_rate=deg/s\\)"),
+        (["depth=mode"], "column depth: 'AUTO' is not a number; .* or leave the column out of the mapping"),
+        (["Surge=speed"], "column Surge: is surge of the run format; name it so in the mapping"),
+        (["throttle_bow=port"], "column throttle_bow: .* \\(--map, --boat\\)"),
+    ],
+)
+def test_a_hint_names_an_option_that_a_mapping_takes(
+    tmp_path: Path, boat: str, more: list[str], part: str
+) -> None:
+    with pytest.raises(UserError, match=part) as told:
+        imported(tmp_path, boat, more, {})
+    assert "--column" not in str(told.value) and "--drop" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("given", "frame", "hint"),
+    [("surge", "ned", "u becomes surge: --unit u=kn"), ("north", "enu", "y becomes north: --unit y=kn")],
+)
+def test_a_unit_of_what_a_quantity_becomes_is_refused_with_its_name(
+    tmp_path: Path, boat: str, given: str, frame: str, hint: str
+) -> None:
+    with pytest.raises(
+        UserError, match=f"--unit or --degrees {given}: the mapping has no such column.*{hint}"
+    ):
+        imported(tmp_path, boat, ["u=speed"], {given: "kn"}, frame)
+
+
+def test_a_unit_is_kept_with_the_run_and_a_wrong_one_is_told_by_the_right_one(
+    tmp_path: Path, boat: str
+) -> None:
+    run = imported(tmp_path, boat, ["u=3.6*speed"], {"u": "kn"})
+    assert (run.meta.model_extra or {})["units"] == {"surge": "kn"}
+    (finding,) = [finding for finding in examine([run]) if finding.code == "unit"]
+    assert "is 1.85 times the speed" in str(finding) and "as km/h are that were taken for kn" in str(finding)
+    assert "--unit surge=km/h" in str(finding)
