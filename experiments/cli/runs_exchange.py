@@ -62,7 +62,7 @@ UnitOf = Annotated[
 ]
 Drop = Annotated[list[str] | None, typer.Option(metavar="THEIRS", help="A column to leave out.")]
 Rate = Annotated[
-    float | None, typer.Option(min=1e-3, max=1e6, help="Sample rate (Hz) of files without times.")
+    float | None, typer.Option(min=1e-3, max=1e6, help="Sample rate (Hz), in place of the source's times.")
 ]
 Resample = Annotated[float | None, typer.Option(min=1e-3, max=1e6, help="Resample to this rate (Hz).")]
 Origin = Annotated[
@@ -166,10 +166,8 @@ def import_(
     if out is None:
         raise UserError("--out: the new dataset has no name; give one, or --list")
     if kind in MAPPED or map_ or frame or clock or join or join_folders:
-        if renamed or dropped or rate:
-            raise UserError(
-                "--column, --drop, --rate: a mapping replaces these options; give --map OUR=THEIRS"
-            )
+        if renamed or dropped:
+            raise UserError("--column, --drop: a mapping replaces these options; give --map OUR=THEIRS")
         reading = Reading(mapping_of(map_ or [], frame, clock or []), join, join_folders)
         made = import_logs(sources, kind, out, about, wishes, reading)
     else:

@@ -49,12 +49,15 @@ class Column:
     names: Mapped[str, str]
 
 
-def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: float = 0.0) -> Foreign:
+def foreign_of(
+    log: Log, mapping: Mapping, rate: float | None = None, fill: float = 0.0, counted: float | None = None
+) -> Foreign:
     """The table of a run that the mapping makes of the log.
 
     rate [Hz]: of the joined rows, by default that of the table with the position; the rows of a table
-    without times of its own stay as they are. fill [s]: pauses of a table that are interpolated. UserError
-    for a column that is not there, a mapping that does not fit together, tables without a common time.
+    without times of its own stay as they are. fill [s]: pauses of a table that are interpolated.
+    counted [Hz]: of the rows of one table, in place of its times. UserError for a column that is not there, a
+    mapping that does not fit together, tables without a common time.
     """
     refuse_halves(mapping.columns)
     found = {name: _resolved(log, name, node) for name, node in mapping.columns.items() if name != "time"}
@@ -63,7 +66,9 @@ def foreign_of(log: Log, mapping: Mapping, rate: float | None = None, fill: floa
     used = list(dict.fromkeys(column.table for column in found.values() if column.table))
     used = used or list(log.tables)[:1]
     log = replace(log, tables={**log.tables, **{n: _without_marks(log, mapping, found, n) for n in used}})
-    stamps = {name: _stamps(log, log.tables[name], mapping) for name in used}
+    if counted is not None and (len(used) > 1 or log.tables[used[0]].time is not None):
+        raise UserError(f"{log.file}: --rate: counts the rows of one table without times; leave it out")
+    stamps = {name: _stamps(log, log.tables[name], mapping, counted) for name in used}
     told: dict[str, Any] = dict(log.told) | _left_out(log, mapping, found, used)
     units = {column_of(name, mapping): unit for name, unit in mapping.units.items() if name in found}
     told |= {"units": units} if units else {}
@@ -228,13 +233,16 @@ def _values(log: Log, mapping: Mapping, name: str, column: Column, stamps: Stamp
     return values if unit is None else values * factor(name, unit, column_of(name, mapping))
 
 
-def _stamps(log: Log, table: LogTable, mapping: Mapping) -> Stamps:
-    """The times of a table: as the mapping says, else its own."""
+def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) -> Stamps:
+    """The times of a table: counted [Hz], or as the mapping says, else its own."""
+    if counted is not None:
+        return Stamps(np.arange(len(table.table.rows)) / counted, 0.0, None)
     node = mapping.columns.get("time")
     if node is None:
         if table.time is None:
             some = ", ".join(list(table.table.columns)[:MOST_NAMED])
-            raise UserError(f"{log.file}: the mapping has no time; add --map time=COLUMN (it has {some})")
+            told = f"the mapping has no time; add --map time=COLUMN (it has {some}), or --rate HZ"
+            raise UserError(f"{log.file}: {told}")
         return Stamps(table.time, 0.0, None)
     words = list(dict.fromkeys(names_in(node)))
     alone = Log(log.file, log.name, {table.name: table})

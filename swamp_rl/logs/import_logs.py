@@ -120,7 +120,8 @@ def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, 
         raise UserError(f"{log.file}: none of the usual messages is there ({known}); see --list, and --map")
     own = {key: value for key, value in log.told.items() if not key.startswith("parameter ")}
     own |= _without_commands(boat, mapping, None if kind in BINARY else log)
-    convert = partial(foreign_of, replace(log, told=own), rate=wishes.resample, fill=wishes.fill)
+    read = replace(log, told=own)
+    convert = partial(foreign_of, read, rate=wishes.resample, fill=wishes.fill, counted=wishes.rate)
     by_type = kind == "rosbag" and {"u", "v"} <= mapping.columns.keys() - given.columns.keys()
     found = foreign_in_its_axes(mapping, convert) if by_type else convert(mapping)
     found = with_nearest_azimuths(found, boat)

@@ -85,8 +85,9 @@ def stretches(
     good = np.flatnonzero(~bad & np.isfinite(time))
     again = good[1:][np.diff(time[good]) == 0.0]
     good = np.setdiff1d(good, again)
-    told = [str(fault) for fault in condensed(faults)]
-    told += [str(Fault(file, int(rows[i]), "time", "is that of the row before")) for i in again[:MOST_TOLD]]
+    bad[again] = True
+    repeated = [Fault(file, int(rows[i]), "time", "is that of the row before") for i in again]
+    told = [str(fault) for fault in condensed([*faults, *repeated])]
     steps = np.diff(time[good])
     if even:
         forward = steps[steps > 0.0]

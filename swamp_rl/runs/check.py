@@ -17,6 +17,9 @@ STEP_TOLERANCE = 0.05  # of the period, for one step: room for times rounded to 
 DRIFT_TOLERANCE = 0.5  # of the period, over the whole run
 DEGREES = 180.0 / math.pi
 FASTEST_TURN = 1.5  # rad/s that a boat keeps up; in degrees a second hardly more than a drift
+MOST_REPEATED = 0.5
+"""Of the steps of time: where more are 0, the clock is coarser than the rows."""
+REPEATS = "repeats"
 WRAP = "wrap it into that range"
 MISSING = "is missing; add it"
 FORMULA = "=+-@"
@@ -47,6 +50,8 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
         faults.append(
             Fault(file, None, None, f"holds {rows}, a run needs two or more; record it again or remove it")
         )
+    elif repeated := _repeated(table.columns.get("time", np.zeros(0))):
+        faults.append(Fault(file, None, "time", f"{REPEATS}: {repeated}; give each row its own"))
     elif table.whole and "time" in table.columns and np.isfinite(table.columns["time"]).all():
         late = _check_time(file, table.columns["time"], table.rows, sample_rate)
         faults += late or _check_degrees_against_yaw_rate(file, table.columns)
@@ -181,6 +186,16 @@ def _check_time(
             f"{steps[i]:.6g} s after the row before, not the {period:.6g} s of {named}; resample the run"
         ),
     )
+
+
+def _repeated(time: NDArray[np.float64]) -> str:
+    """How many rows have each time, of most rows with the time of the row before; nothing of others."""
+    steps = np.diff(time[np.isfinite(time)])
+    later = np.flatnonzero(steps > 0.0)
+    if not len(later) or np.mean(steps == 0.0) <= MOST_REPEATED:
+        return ""
+    count, step = float(np.median(np.diff(later, prepend=-1))), float(np.median(steps[later]))
+    return f"{count:g} rows have each time, {step:.3g} s apart, as at {count / step:.4g} Hz"
 
 
 def typical_step(times: Sequence[NDArray[np.float64]]) -> float:

@@ -15,7 +15,7 @@ from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs.bad_rows import BadRows, gap_faults, listed, stretches
-from swamp_rl.runs.check import MISSING, check_table
+from swamp_rl.runs.check import MISSING, REPEATS, check_table
 from swamp_rl.runs.columns import NO_THRUSTER, REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import Place, to_local
@@ -105,9 +105,7 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
             faults += gap_faults(found.file, time, rows, wishes.fill)
         refuse(found, wishes, faults)
         return [_run(found.name, columns, told, wishes.resample)]
-    refuse(
-        found, wishes, [f for f in faults if f.row is None and (f.column != "time" or "missing" in f.message)]
-    )
+    refuse(found, wishes, [fault for fault in faults if fault.row is None and not _is_of_rate(fault)])
     wrong = [fault for fault in faults if fault.row is not None and not _of_steps(fault)]
     even = wishes.resample is None
     kept = stretches(found.file, columns, rows, wrong, wishes.bad_rows, even, wishes.fill)
@@ -166,6 +164,11 @@ def _times_in_days(file: str, time: Array) -> list[Fault]:
     return [Fault(file, None, "time", told)]
 
 
+def _is_of_rate(fault: Fault) -> bool:
+    """Whether leaving out rows may mend a fault of all times."""
+    return fault.column == "time" and not any(words in fault.message for words in ("missing", REPEATS))
+
+
 def _of_steps(fault: Fault) -> bool:
     return fault.column == "time" and ("the row before" in fault.message or "come after" in fault.message)
 
@@ -220,6 +223,8 @@ def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:
     if fault.column in REQUIRED and MISSING in fault.message:
         column = "" if mapped else f"--column {fault.column}=THEIRS, or "
         hint = f", or name it: {column}--map {fault.column}=THEIRS (--list shows what is there)"
+    elif fault.column == "time" and REPEATS in fault.message:
+        hint += " (--rate HZ counts rows at a constant rate)"
     elif fault.column == "time" and "resample" in fault.message:
         hint += " (--resample HZ), or divide it (--bad-rows split)"
     elif NO_THRUSTER in fault.message:

@@ -12,6 +12,7 @@ from swamp_rl.logs.import_logs import Reading, import_logs, read_log
 from swamp_rl.logs.listing import listing
 from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs import Run, read_dataset
+from swamp_rl.runs.bad_rows import BadRows
 from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.table import read_table
@@ -162,3 +163,43 @@ def test_cells_that_are_no_number_are_faults_whatever_their_type(tmp_path: Path,
     assert list(listing(read_log(path, "parquet")))[1].startswith("  t: no numbers, as")
     with pytest.raises(UserError, match=r"--map time: .* is no time"):
         imported([path])
+
+
+@pytest.mark.parametrize("bad_rows", ["refuse", "cut", "split"])
+def test_rows_at_ten_hertz_in_whole_seconds_are_told_and_can_be_counted(
+    tmp_path: Path, bad_rows: BadRows
+) -> None:
+    log = table(tmp_path / "log.csv", [f"{1_780_470_000 + int(t)}" for t in TIME])
+    with pytest.raises(UserError) as told:
+        imported([log], Wishes(bad_rows=bad_rows))
+    (line,) = str(told.value).splitlines()
+    assert (
+        "column time: repeats: 10 rows have each time, 1 s apart, as at 10 Hz; give each row its own" in line
+    )
+    assert "(--rate HZ counts rows at a constant rate)" in line
+    run = imported([log], Wishes(bad_rows=bad_rows, rate=10.0))
+    assert run.time == pytest.approx(TIME)
+    assert (run.meta.model_extra or {})["times"] == "counted, 10 rows a second"
+
+
+def test_a_file_whose_times_mostly_repeat_is_refused_beside_other_bad_rows(tmp_path: Path) -> None:
+    log = table(tmp_path / "log.csv", [f"{int(t)}" if i != 30 else "" for i, t in enumerate(TIME)])
+    with pytest.raises(UserError, match="column time: repeats: 10 rows have each time"):
+        imported([log], Wishes(bad_rows="split"))
+
+
+def test_rows_of_joined_tables_are_not_counted(tmp_path: Path) -> None:
+    gps = table(tmp_path / "gps.csv", of_a_day(0.0), psi=False)
+    imu = table(tmp_path / "imu.csv", of_a_day(2.0), x=False)
+    with pytest.raises(UserError, match="--rate: counts the rows of one table without times"):
+        imported([gps, imu], Wishes(rate=10.0), join="trip")
+
+
+def test_rows_that_repeat_a_time_count_as_bad_ones(tmp_path: Path) -> None:
+    times = np.where(np.arange(COUNT) % 3 == 1, TIME - 0.1, TIME)
+    log = table(tmp_path / "log.csv", [f"{t:.1f}" for t in times])
+    lines = log.read_text().splitlines()
+    lines[3:46:3] = [line.replace(line.split(",")[1], "", 1) for line in lines[3:46:3]]
+    log.write_text("\n".join(lines) + "\n")
+    with pytest.raises(UserError, match="% of the rows are bad"):
+        imported([log], Wishes(bad_rows="split", resample=5.0))
