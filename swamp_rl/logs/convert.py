@@ -23,7 +23,6 @@ from swamp_rl.logs.frames import (
 from swamp_rl.logs.join import Series, joined
 from swamp_rl.logs.log import Log, LogTable, words_of
 from swamp_rl.logs.mapping import Mapping
-from swamp_rl.logs.stamps import Stamps, from_numbers, from_words
 from swamp_rl.runs.bad_rows import first_of
 from swamp_rl.runs.columns import is_angle
 from swamp_rl.runs.faults import Fault, condensed, faults_at
@@ -31,6 +30,7 @@ from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.resample import ANGLES
 from swamp_rl.runs.schema import RunMeta
+from swamp_rl.runs.stamps import PAST_MIDNIGHT, Stamps, from_numbers, from_words, on_one_day
 from swamp_rl.runs.table import Table, cell_text
 from swamp_rl.runs.units import factor
 
@@ -68,11 +68,12 @@ def foreign_of(
     log = replace(log, tables={**log.tables, **{n: _without_marks(log, mapping, found, n) for n in used}})
     if counted is not None and (len(used) > 1 or log.tables[used[0]].time is not None):
         raise UserError(f"{log.file}: --rate: counts the rows of one table without times; leave it out")
-    stamps = {name: _stamps(log, log.tables[name], mapping, counted) for name in used}
+    stamps = on_one_day({name: _stamps(log, log.tables[name], mapping, counted) for name in used})
     told: dict[str, Any] = dict(log.told) | _left_out(log, mapping, found, used)
     units = {column_of(name, mapping): unit for name, unit in mapping.units.items() if name in found}
     told |= {"units": units} if units else {}
-    told |= {"times": times[0]} if (times := [s.told for s in stamps.values() if s.told]) else {}
+    times = [one.told for one in stamps.values() if one.told]
+    told |= {"times": max(times, key=lambda one: PAST_MIDNIGHT in one)} if times else {}
     if len(used) == 1 and log.tables[used[0]].time is None:
         return _single(log, mapping, found, stamps[used[0]], told)
     shifts = _clocks(log, mapping, stamps)

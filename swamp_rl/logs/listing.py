@@ -7,7 +7,7 @@ import numpy as np
 from swamp_rl.clipped import clipped
 from swamp_rl.counted import counted
 from swamp_rl.logs.log import Log, LogTable
-from swamp_rl.logs.stamps import from_words
+from swamp_rl.runs.stamps import from_words
 from swamp_rl.runs.table import cell_text
 
 MOST_FIELDS = 200

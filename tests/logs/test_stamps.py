@@ -43,8 +43,8 @@ def table(path: Path, stamps: list[str], x: bool = True, psi: bool = True) -> Pa
     return path
 
 
-def of_a_day(start: float) -> list[str]:
-    moments = np.datetime64("2024-06-05T14:00:00.000") + np.round(1000.0 * (start + TIME)).astype("m8[ms]")
+def of_a_day(start: float, hour: str = "14:00:00.000") -> list[str]:
+    moments = np.datetime64(f"2024-06-05T{hour}") + np.round(1000.0 * (start + TIME)).astype("m8[ms]")
     return [str(moment)[11:] for moment in moments]
 
 
@@ -203,3 +203,26 @@ def test_rows_that_repeat_a_time_count_as_bad_ones(tmp_path: Path) -> None:
     log.write_text("\n".join(lines) + "\n")
     with pytest.raises(UserError, match="% of the rows are bad"):
         imported([log], Wishes(bad_rows="split", resample=5.0))
+
+
+def test_times_of_a_day_are_counted_past_midnight(tmp_path: Path) -> None:
+    stamps = of_a_day(0.0, "23:59:58.000")
+    stamps[20:22] = stamps[21:19:-1]  # a message that comes late
+    log = table(tmp_path / "log.csv", stamps)
+    with pytest.raises(UserError, match=r"row 22 .*: 2 s does not come after 2\.1 s"):
+        imported([log])
+    run = imported([table(tmp_path / "log.csv", of_a_day(0.0, "23:59:58.000"))])
+    assert run.time == pytest.approx(TIME)
+    assert (run.meta.model_extra or {})["times"] == "of a day, from 23:59:58.000, past midnight"
+
+
+@pytest.mark.parametrize("later", ["gps", "imu"])
+def test_joined_tables_have_one_clock_past_midnight(tmp_path: Path, later: str) -> None:
+    start = {"gps": 0.0, "imu": 0.0, later: 2.5}
+    gps = table(tmp_path / "gps.csv", of_a_day(start["gps"], "23:59:58.000"), psi=False)
+    imu = table(tmp_path / "imu.csv", of_a_day(start["imu"], "23:59:58.000"), x=False)
+    run = imported([gps, imu], join="trip")
+    assert run.duration == pytest.approx(3.4)
+    assert run.columns["north"][0] == pytest.approx(2.5 - start["gps"])
+    assert run.columns["heading"][0] == pytest.approx(0.01 * (2.5 - start["imu"]), abs=1e-6)
+    assert "past midnight" in (run.meta.model_extra or {})["times"]

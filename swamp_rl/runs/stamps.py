@@ -1,7 +1,7 @@
 """Times as logs write them: seconds, ticks since 1970, ISO 8601, dates and times of spreadsheets."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime, timedelta
 from datetime import time as time_of_day
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.constants import DAY
 from swamp_rl.errors import UserError
-from swamp_rl.logs.dates import from_dates
+from swamp_rl.runs.dates import from_dates
 from swamp_rl.runs.import_telemetry import EPOCHS
 from swamp_rl.runs.table import TICKS, cell_text, is_text
 
@@ -21,6 +21,7 @@ UNIT = {ticks: unit for unit, ticks in TICKS.items()}
 ZERO = datetime(1970, 1, 1, tzinfo=UTC)
 YEARS = -62_135_596_800, 253_402_300_800
 """s since 1970 of the years 1 to 9999."""
+PAST_MIDNIGHT = ", past midnight"
 SLOWEST = 10.0
 """s between rows: a log whose numbers are that far apart counts in ms or finer, at up to 100 rows a second.
 A diagnosis needs a row every second."""
@@ -30,11 +31,12 @@ A diagnosis needs a row every second."""
 class Stamps:
     """`time` (T,) s from the first one, NaN where there is none; `start`: that one in s, on the log's clock:
     since 1970, of times of a day since midnight, of other numbers since their zero; `told`: what the log
-    writes."""
+    writes; `of_a_day`: whether it is times of a day."""
 
     time: Array
     start: float
     told: str | None
+    of_a_day: bool = False
 
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers near the end of their range are no times
@@ -116,14 +118,26 @@ def _since_1970(stamps: pa.ChunkedArray | pa.Array, ticks: int, told: str) -> St
 
 def _of_a_day(cells: pa.ChunkedArray, seconds: pa.ChunkedArray | pa.Array) -> Stamps | None:
     """Cells such as 14:05:00.1 with their seconds since midnight, null for one that is none, missing beyond a
-    day; None where all are."""
+    day; None where all are. A step back by more than half a day is midnight, which is counted past."""
     time = np.asarray(pc.fill_null(seconds, np.nan))
     time = np.where((time >= 0.0) & (time < DAY), time, np.nan)
     known = np.flatnonzero(np.isfinite(time))
     if not len(known):
         return None
     first = int(known[0])
-    return Stamps(time - time[first], float(time[first]), f"of a day, from {cell_text(cells, first).strip()}")
+    days = -np.cumsum(np.round(np.diff(time[known], prepend=time[first]) / DAY))
+    time[known] += days * DAY
+    told = f"of a day, from {cell_text(cells, first).strip()}{PAST_MIDNIGHT if days.any() else ''}"
+    return Stamps(time - time[first], float(time[first]), told, of_a_day=True)
+
+
+def on_one_day(stamps: Mapping[str, Stamps]) -> dict[str, Stamps]:
+    """Stamps by tables of one log: those of a day begin within half a day of the first of them."""
+    first = next((one.start for one in stamps.values() if one.of_a_day), 0.0)
+    return {
+        name: replace(one, start=one.start + DAY * round((first - one.start) / DAY)) if one.of_a_day else one
+        for name, one in stamps.items()
+    }
 
 
 def _time_of_day(cell: str | None) -> float | None:

@@ -8,7 +8,7 @@ import pytest
 
 from swamp_rl.logs.import_logs import read_log
 from swamp_rl.logs.listing import listing
-from swamp_rl.logs.stamps import Stamps, from_words
+from swamp_rl.runs.stamps import Stamps, from_words
 
 START = datetime(2024, 5, 14, 9, 20, tzinfo=UTC).timestamp()
 
