@@ -30,7 +30,7 @@ from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.resample import ANGLES
 from swamp_rl.runs.schema import RunMeta
-from swamp_rl.runs.stamps import PAST_MIDNIGHT, Stamps, from_numbers, from_words, on_one_day
+from swamp_rl.runs.stamps import NO_TIME, PAST_MIDNIGHT, Stamps, from_numbers, from_words, on_one_day
 from swamp_rl.runs.table import Table, cell_text
 from swamp_rl.runs.units import factor
 
@@ -158,9 +158,7 @@ def _single(
     unread = {name: missing & ~np.isfinite(values) for name, values in columns.items()}
     if unread["time"].any() or not np.isfinite(stamps.time).all():
         late = ~np.isfinite(stamps.time)
-        faults += faults_at(
-            log.file, "time", table.rows, late, lambda i: "is no time; correct it or cut the row"
-        )
+        faults += faults_at(log.file, "time", table.rows, late, lambda i: NO_TIME)
         unread["time"] = late
     whole = Table(columns, table.rows, unread, faults, table.whole)
     return Foreign(log.file, log.name, whole, RunMeta.model_validate(told), mapped=names_by_column(mapping))
@@ -242,8 +240,9 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
     if node is None:
         if table.time is None:
             some = ", ".join(list(table.table.columns)[:MOST_NAMED])
-            told = f"the mapping has no time; add --map time=COLUMN (it has {some}), or --rate HZ"
-            raise UserError(f"{log.file}: {told}")
+            raise UserError(
+                f"{log.file}: the mapping has no time; add --map time=COLUMN (it has {some}), or --rate HZ"
+            )
         return Stamps(table.time, 0.0, None)
     words = list(dict.fromkeys(names_in(node)))
     alone = Log(log.file, log.name, {table.name: table})

@@ -87,7 +87,8 @@ def import_logs(
             _foreign(log, own, mapping, kind, boat, replace(wishes, resample=rate)) for log, own in pairs
         ]
     even = all("joined" in (one.meta.model_extra or {}) for one in single)
-    rest = replace(wishes, units={}, resample=None if even else wishes.resample)
+    rest = replace(wishes, units={})
+    rest = replace(rest, resample=None, fill=0.0) if even else rest
     return import_tables(single, out, about, rest)
 
 

@@ -197,6 +197,10 @@ def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishe
 
     UserError lists the faults of all tables, and then there is no `out`.
     """
+    if wishes.fill and wishes.resample is None:
+        raise UserError(
+            "--fill: fills gaps of joined tables and of --resample HZ; give that, or leave it out"
+        )
     told = _agreed(found)
     with tempfile.TemporaryDirectory() as scratch:
         home = found[0].home or Path(scratch)

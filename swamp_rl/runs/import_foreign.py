@@ -22,6 +22,7 @@ from swamp_rl.runs.local_frame import Place, to_local
 from swamp_rl.runs.resample import ANGLES, resampled
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta, of_part
+from swamp_rl.runs.stamps import NO_TIME, from_numbers
 from swamp_rl.runs.table import Table
 from swamp_rl.runs.units import IN_DEGREES, factor
 
@@ -33,8 +34,18 @@ TURN = 2.0 * math.pi + 1e-9
 TIME_OF_DAY = re.compile(r"\d\d:\d\d")
 FASTEST = 20_000.0
 """Hz that the rows of a log do not come at; at 0.3 Hz, times in days seem to."""
-ROW_ALONE = "is missing", "is not a number", "no finite number", "cut short", "does not come after"
+ROW_ALONE = (
+    "is missing",
+    "is no time",
+    "is not a number",
+    "no finite number",
+    "cut short",
+    "does not come after",
+)
 """Words of faults that leaving out their rows can mend."""
+
+OF_TIMES = "is missing", "--unit", REPEATS
+"""Words of faults of all times that leaving out rows cannot mend."""
 
 
 @dataclass(frozen=True)
@@ -82,16 +93,10 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
     rows, told = found.table.rows, found.meta.model_dump(exclude={"file", "rows"})
     if not found.table.columns:
         refuse(found, wishes, faults)
-    for name, unit in wishes.units.items():
-        if name not in columns:
-            raise UserError(f"{found.file}: has no column {name} to be given in {unit}; check the name")
-        columns[name] = columns[name] * factor(name, unit)
-    told |= {"units": dict(wishes.units)} if wishes.units else {}
-    if wishes.rate is not None:
-        columns["time"] = np.arange(len(rows)) / wishes.rate
-        told["times"] = f"counted, {wishes.rate:g} rows a second"
-    else:
-        refuse(found, wishes, _times_in_days(found.file, columns.get("time", np.zeros(0))))
+    late = _to_our_units(found, wishes, columns, told)
+    if any(fault.row is not None for fault in late):
+        unread["time"] = ~np.isfinite(columns["time"])
+    faults += late
     more, place = _place(found, columns, unread, wishes.origin)
     faults, told = faults + more, told | place
     _wrap_angles(columns)
@@ -101,7 +106,8 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
         time = columns.get("time", np.zeros(2))
         if wishes.resample is not None and bool(np.all(np.diff(time) > 0.0)):
             # Uneven steps are what resampling is for, gaps and steps back are not.
-            faults = [fault for fault in faults if fault.column != "time"]
+            faults = [fault for fault in faults if fault.row is not None or not _is_of_rate(fault)]
+            faults = [fault for fault in faults if not _of_steps(fault)]
             faults += gap_faults(found.file, time, rows, wishes.fill)
         refuse(found, wishes, faults)
         return [_run(found.name, columns, told, wishes.resample)]
@@ -121,6 +127,47 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
         runs.append(_run(name, taken, own, wishes.resample))
         told.pop("rows_left_out", None)
     return runs
+
+
+def _to_our_units(
+    found: Foreign, wishes: Wishes, columns: dict[str, Array], told: dict[str, Any]
+) -> list[Fault]:
+    """Bring columns and times into our units, and return the faults of times that are none."""
+    for name, unit in wishes.units.items():
+        if name not in columns:
+            raise UserError(f"{found.file}: has no column {name} to be given in {unit}; check the name")
+        if name != "time" or not _has_stamps(found):
+            columns[name] = columns[name] * factor(name, unit)
+    told |= {"units": dict(wishes.units)} if wishes.units else {}
+    if wishes.rate is not None:
+        columns["time"] = np.arange(len(found.table.rows)) / wishes.rate
+        told["times"] = f"counted, {wishes.rate:g} rows a second"
+        return []
+    late = _to_seconds(found, wishes, columns, told) if "time" in columns and _has_stamps(found) else []
+    refuse(found, wishes, _times_in_days(found.file, columns.get("time", np.zeros(0))))
+    return late
+
+
+def _to_seconds(
+    found: Foreign, wishes: Wishes, columns: dict[str, Array], told: dict[str, Any]
+) -> list[Fault]:
+    """Bring times into seconds, ticks since 1970 into those from the first on, and return the faults of times
+    that are none."""
+    stamps, unit = columns["time"], wishes.units.get("time")
+    asked = factor("time", unit) if unit else None
+    try:
+        times = from_numbers(stamps, found.file, asked)
+    except UserError as error:
+        return [Fault(found.file, None, "time", str(error).removeprefix(f"{found.file}: "))]
+    columns["time"] = stamps * (asked or 1.0) if times.told is None else times.time
+    told |= {"times": times.told} if times.told else {}
+    late = np.isfinite(stamps) & ~np.isfinite(columns["time"])
+    return faults_at(found.file, "time", found.table.rows, late, lambda i: NO_TIME)
+
+
+def _has_stamps(found: Foreign) -> bool:
+    """Whether times of a table are as a logger of others wrote them."""
+    return not found.mapped and found.dataset is None
 
 
 def _wrap_angles(columns: dict[str, Array]) -> None:
@@ -166,7 +213,7 @@ def _times_in_days(file: str, time: Array) -> list[Fault]:
 
 def _is_of_rate(fault: Fault) -> bool:
     """Whether leaving out rows may mend a fault of all times."""
-    return fault.column == "time" and not any(words in fault.message for words in ("missing", REPEATS))
+    return fault.column == "time" and not any(words in fault.message for words in OF_TIMES)
 
 
 def _of_steps(fault: Fault) -> bool:

@@ -17,6 +17,7 @@ from swamp_rl.files import os_error
 from swamp_rl.ordinary import contents
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.schema import RunMeta
+from swamp_rl.runs.stamps import EPOCHS
 from swamp_rl.runs.table import Table
 from swamp_rl.runs.thruster_telemetry import MODULE_FIELDS, command_columns, is_module_line
 
@@ -54,8 +55,6 @@ LONGEST_WORD = 40
 """Characters of a number."""
 VALID = 1
 """Bit of the flags, by the sensor's protocol: latitude and longitude, or the velocities, can be used."""
-EPOCHS = {1: (10**9, 10**10), 10**3: (10**12, 10**13), 10**6: (10**15, 10**16), 10**9: (10**18, 10**19)}
-"""Ticks in a second, by the span of stamps since 1970 that then fall into the years 2001 to 2286."""
 
 
 def read_telemetry(

@@ -1,5 +1,6 @@
 """Times of tables of others: their unit, their first row, and the common clock of joined tables."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from swamp_rl.logs.listing import listing
 from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs import Run, read_dataset
 from swamp_rl.runs.bad_rows import BadRows
-from swamp_rl.runs.import_dataset import About
+from swamp_rl.runs.import_dataset import About, import_runs
 from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.table import read_table
 
@@ -226,3 +227,45 @@ def test_joined_tables_have_one_clock_past_midnight(tmp_path: Path, later: str) 
     assert run.columns["north"][0] == pytest.approx(2.5 - start["gps"])
     assert run.columns["heading"][0] == pytest.approx(0.01 * (2.5 - start["imu"]), abs=1e-6)
     assert "past midnight" in (run.meta.model_extra or {})["times"]
+
+
+@pytest.mark.parametrize("way", ["column", "mapping"])
+def test_a_row_without_a_time_is_told_with_the_option_that_leaves_it_out(tmp_path: Path, way: str) -> None:
+    stamps = [f"{1_700_000_000_000 + round(1000 * t)}" for t in TIME]
+    stamps[30] = "0"
+    log = table(tmp_path / "log.csv", stamps)
+
+    def made(wishes: Wishes) -> Run:
+        return imported([log], wishes) if way == "mapping" else renamed(log, wishes)
+
+    with pytest.raises(UserError) as told:
+        made(Wishes())
+    (line,) = str(told.value).splitlines()
+    assert "row 31 (line 32), column time: is no time; correct it or cut the row" in line
+    assert line.endswith("(--bad-rows cut or split); nothing was imported")
+    run = made(Wishes(bad_rows="cut"))
+    assert len(run.time) == 30 and run.time == pytest.approx(TIME[:30])
+    assert "ms since 1970, from 2023-11-14" in (run.meta.model_extra or {})["times"]
+
+
+def renamed(log: Path, wishes: Wishes) -> Run:
+    """The run of a file with columns t, x, y and psi by their new names."""
+    names = {"time": "t", "north": "x", "east": "y", "heading": "psi"}
+    import_runs([log], "csv", log.parent / "out", None, replace(wishes, renamed=names))
+    (run,) = read_dataset(log.parent / "out").runs
+    return run
+
+
+def test_the_unit_of_a_renamed_time_is_asked_for_where_its_rows_lie_far_apart(tmp_path: Path) -> None:
+    log = table(tmp_path / "log.csv", [f"{round(1000 * t)}" for t in TIME])
+    for wishes in (Wishes(), Wishes(bad_rows="split"), Wishes(resample=5.0)):
+        with pytest.raises(
+            UserError, match="column time: the rows are 100 s apart if the numbers are s; give"
+        ):
+            renamed(log, wishes)
+    assert renamed(log, Wishes(units={"time": "ms"})).time == pytest.approx(TIME)
+
+
+def test_times_in_days_are_told_of_a_mapping_too(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"as of times in days; give them in s \(--unit time=d\)"):
+        imported([table(tmp_path / "log.csv", [f"{45_000 + t / 86_400:.9f}" for t in TIME])])

@@ -44,6 +44,8 @@ def log(tmp_path: Path) -> Path:
 
 RENAMED = ["--column", "time=secs", "--column", "north=x", "--column", "east=y", "--column", "heading=psi"]
 
+MAPPED = [word if word != "--column" else "--map" for word in RENAMED]
+
 
 def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called], log: Path) -> None:
     units = ["--column", "surge=knots", "--unit", "surge=kn"]
@@ -102,6 +104,8 @@ def test_what_is_asked_wrongly_is_one_line_and_imports_nothing(
         ("csv", ["--repair", *RENAMED], "--repair: not for --from csv"),
         ("csv", ["--topic", "/pose", "--sender", "0", *RENAMED], "--topic, --sender: not for --from csv"),
         ("csv", ["--sender", "7", "--map", "north=x"], "--sender: not for --from csv"),
+        ("csv", ["--fill", "3", *RENAMED], "--fill: fills gaps of joined tables and of --resample HZ"),
+        ("csv", ["--fill", "3", *MAPPED], "--fill: fills gaps of joined tables and of --resample HZ"),
         ("csv", ["--origin", "44.1,9.5", *RENAMED], "log.csv: has north and east, so --origin cannot act"),
     ],
 )
