@@ -18,10 +18,11 @@ from swamp_rl.names import YAML, file_in
 from swamp_rl.ordinary import ordinary
 from swamp_rl.runs import Run
 from swamp_rl.runs.apart import apart
-from swamp_rl.runs.copies import boat_of
+from swamp_rl.runs.copies import boat_of, carried_boat
 from swamp_rl.runs.dataset import inspect_dataset
 from swamp_rl.runs.describe import is_table
-from swamp_rl.runs.schema import META
+from swamp_rl.runs.export_minari import COPIES
+from swamp_rl.runs.schema import META, meta_told
 from swamp_rl.runs.table import MOST_CELLS, read_table
 
 Array = NDArray[np.float64]
@@ -191,11 +192,21 @@ def _minari(folder: Path, paths: list[Path], boat: str | None) -> Records:
     vessel, measured = None, True
     for path in paths:
         ordinary(_own(path), 2**33)
-        episodes, told = _minari_episodes(path)
+        episodes, told, copies = _minari_episodes(path)
         runs += [Run(name, columns) for name, columns in episodes]
         measured = measured and _measured(told)
-        vessel = vessel or _boat_named(told, boat)
+        vessel = vessel or _minari_boat(path, told, copies, boat)
     return Records(runs, "Minari", vessel, measured=measured)
+
+
+def _minari_boat(path: Path, told: dict[str, Any], copies: dict[str, Any], boat: str | None) -> Boat | None:
+    """The named boat, else that of the copies in the metadata, else the shipped one of that name."""
+    if boat is not None or not copies:
+        return _boat_named(told, boat)
+    try:
+        return carried_boat(meta_told(told), {name: str(text).encode() for name, text in copies.items()})
+    except (UserError, ValueError) as error:
+        raise UserError(f"{path}: its boat cannot be read ({clipped(error, 200)}); give --boat") from error
 
 
 def _boat_named(told: dict[str, Any], boat: str | None) -> Boat | None:
@@ -221,8 +232,11 @@ def _boat(folder: Path, told: dict[str, Any], boat: str | None) -> Boat | None:
 
 
 @apart
-def _minari_episodes(path: Path) -> tuple[list[tuple[str, dict[str, Array]]], dict[str, Any]]:
-    """Episodes as columns: those of `infos`, where these have a time, else of observations and actions.
+def _minari_episodes(
+    path: Path,
+) -> tuple[list[tuple[str, dict[str, Array]]], dict[str, Any], dict[str, Any]]:
+    """Episodes as columns: those of `infos`, where these have a time, else of observations and actions; what
+    the metadata tell of the dataset, and the texts of the boat's and the course's files.
 
     In a process of its own, which a damaged HDF5 file may end.
     """
@@ -239,11 +253,12 @@ def _minari_episodes(path: Path) -> tuple[list[tuple[str, dict[str, Array]]], di
                     found.append((name, _episode(group)))
         meta = path.with_name("metadata.json")
         described = _json(meta) if meta.is_file() else {}
-        told = described.get("swamp_rl", "{}")
-        about = parsed_json(told) if isinstance(told, str) else {}
+        told = [described.get(key, "{}") for key in ("swamp_rl", COPIES)]
+        about, copies = (parsed_json(text) if isinstance(text, str) else {} for text in told)
     except (OSError, KeyError, ValueError, RuntimeError) as error:
         raise UserError(f"{path}: is no whole Minari file ({clipped(error, 200)}); copy it again") from error
-    return found, about if isinstance(about, dict) else {}
+    about, copies = (one if isinstance(one, dict) else {} for one in (about, copies))
+    return found, about, copies
 
 
 def _episode(group: Any) -> dict[str, Array]:

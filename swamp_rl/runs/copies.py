@@ -2,6 +2,7 @@
 
 import hashlib
 import re
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -87,6 +88,13 @@ def boat_of(folder: Path, meta: DatasetMeta) -> Boat:
         return load_boat(boat_file(folder, meta))
     except UserError as error:
         raise UserError(f"{folder / META}: vehicle: {error}") from error
+
+
+def carried_boat(meta: DatasetMeta, copies: Mapping[str, bytes]) -> Boat:
+    """The boat of a dataset in another format, which carries the copies with it; UserError as `boat_of`."""
+    with tempfile.TemporaryDirectory() as folder:
+        write_copies(Path(folder), copies)
+        return load_boat(boat_file(Path(folder), meta))
 
 
 def boat_file(folder: Path, meta: DatasetMeta) -> str | Path:

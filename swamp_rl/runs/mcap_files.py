@@ -4,7 +4,6 @@ import hashlib
 import importlib
 import json
 import math
-import tempfile
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -13,14 +12,14 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat import Boat
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.extras import missing
 from swamp_rl.files import explain, write_beside
 from swamp_rl.json_text import parsed_json
 from swamp_rl.ordinary import ordinary
-from swamp_rl.runs.copies import boat_file, write_copies
+from swamp_rl.runs.copies import carried_boat
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.run import Run
@@ -96,11 +95,7 @@ def boat_of_mcap(path: Path) -> Boat | None:
     with _reading(path), ordinary(path, None).open("rb") as stream:
         record = _own_record(path, stream)
     _, dataset, copies = _told(path, record)
-    if dataset is None:
-        return None
-    with tempfile.TemporaryDirectory() as folder:
-        write_copies(Path(folder), copies)
-        return load_boat(boat_file(Path(folder), dataset))
+    return None if dataset is None else carried_boat(dataset, copies)
 
 
 def _own_record(path: Path, stream: Any) -> dict[str, str] | None:

@@ -7,12 +7,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from swamp_rl.boat import Boat
 from swamp_rl.doctor.read import read_records
 from swamp_rl.errors import UserError
-from swamp_rl.runs import read_dataset
+from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
 from swamp_rl.runs.export_dataset import export_runs
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
+from tests.support.runs import circling, described
 
 
 @pytest.mark.parametrize(("to", "layout"), [("lerobot", "LeRobot"), ("minari", "Minari"), ("csv", "dataset")])
@@ -25,6 +27,37 @@ def test_each_layout_gives_the_same_runs(folder: Path, tmp_path: Path, to: str, 
     for run, was in zip(found.runs, read_dataset(folder).runs, strict=True):
         for name in ("time", "north", "heading", "azimuth_bs"):
             assert run.columns[name] == pytest.approx(was.columns[name], abs=1e-6)
+
+
+def exported(folder: Path, to: str) -> Boat:
+    """The boat, of a file of its own, of a dataset that is exported to `out`."""
+    (folder / "mine.yaml").write_text("extends: swamp\nname: mine\nmass: 60.0\n")
+    create_dataset(folder / "runs", described(vehicle=str(folder / "mine.yaml")))
+    append_run(folder / "runs", Run("one", circling()))
+    export_runs(folder / "runs", to, folder / "out", None)
+    return read_dataset(folder / "runs").boat
+
+
+@pytest.mark.parametrize("to", ["lerobot", "minari"])
+def test_the_boat_of_an_export_is_the_one_that_it_carries(tmp_path: Path, to: str) -> None:
+    if to == "minari":
+        pytest.importorskip("minari", reason="minari is not installed; its folders are not tested")
+    wanted = exported(tmp_path, to)
+    assert read_records(tmp_path / "out").boat == wanted
+    named = read_records(tmp_path / "out", "swamp").boat
+    assert named is not None and named.name == "swamp"
+
+
+def test_a_damaged_boat_of_a_minari_export_is_one_line(tmp_path: Path) -> None:
+    pytest.importorskip("minari", reason="minari is not installed; its folders are not tested")
+    exported(tmp_path, "minari")
+    (meta,) = (tmp_path / "out").rglob("metadata.json")
+    told = json.loads(meta.read_text())
+    for copies, about in (('{"mine.yaml": "name: 3"}', told["swamp_rl"]), (told["swamp_rl_copies"], "{}")):
+        meta.write_text(json.dumps({**told, "swamp_rl_copies": copies, "swamp_rl": about}))
+        with pytest.raises(UserError, match="its boat cannot be read") as refused:
+            read_records(tmp_path / "out")
+        assert "\n" not in str(refused.value)
 
 
 def test_a_plain_folder_needs_no_boat(folder: Path) -> None:
