@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping as Mapped
 from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -170,11 +171,12 @@ def _lost(log: Log, mapping: Mapping, name: str, column: Column, time: Array) ->
     if column.table not in log.tables:
         return []
     table = log.tables[column.table].table
-    return [
+    cells = [
         (float(time[np.searchsorted(table.rows, fault.row)]), _renamed(_mapped(fault, name), mapping))
         for fault in table.faults
         if fault.row is not None and fault.column in column.names.values()
     ]
+    return sorted((cell for cell in cells if np.isfinite(cell[0])), key=itemgetter(0))
 
 
 def _mapped(fault: Fault, ours: str) -> Fault:
@@ -272,7 +274,7 @@ def _without_quaternion(log: Log, series: dict[str, Series]) -> dict[str, Series
             f"{log.file}: the quaternion is mapped from tables {', '.join(sorted(tables))}; use one"
         )
     parts = {name: series[name].values for name in QUATERNION}
-    lost = [cell for name in QUATERNION for cell in series[name].lost]
+    lost = sorted((cell for name in QUATERNION for cell in series[name].lost), key=itemgetter(0))
     kept = {name: one for name, one in series.items() if name not in QUATERNION}
     return kept | {"yaw": replace(series["qw"], values=_yaw(parts), lost=lost)}
 

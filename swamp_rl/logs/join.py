@@ -1,8 +1,10 @@
 """Series with times of their own on one even grid of times."""
 
 import math
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +29,13 @@ number."""
 
 @dataclass(frozen=True)
 class Series:
-    """Values (T,) of one column at their times (T,) [s], and the table that has them; `lost`: times [s] of
-    cells of the table without a value, and the faults that tell why."""
+    """Values (T,) of one column at their times (T,) [s], and the table that has them; `lost`: increasing
+    times [s] of cells of the table without a value, and the faults that tell why."""
 
     table: str
     time: Array
     values: Array
-    lost: Sequence[tuple[float, Fault]] = field(default=())
+    lost: Sequence[tuple[float, Fault]] = ()
 
 
 @dataclass(frozen=True)
@@ -151,9 +153,10 @@ def _pauses(
 
 def _cause(one: Series, i: int) -> str:
     """The first cell without a value between two rows of a series, where there is one."""
-    inside = (fault for time, fault in one.lost if one.time[i] < time < one.time[i + 1])
-    fault = next(inside, None)
-    return "" if fault is None else f" ({str(fault).partition(';')[0]})"
+    first = bisect_right(one.lost, one.time[i], key=itemgetter(0))
+    if first == len(one.lost) or one.lost[first][0] >= one.time[i + 1]:
+        return ""
+    return f" ({str(one.lost[first][1]).partition(';')[0]})"
 
 
 def _tables(series: Mapping[str, Series]) -> dict[str, Series]:
