@@ -97,36 +97,36 @@ def fit_states(
     """States (W, 6), prediction and residual at least chi2 under x (p,), by Levenberg-Marquardt; base:
     (W, T + 1, 6) prediction to begin with, where known.
 
-    Converged windows are not simulated again; a window's Jacobian is kept while its gain ratio is high.
+    Converged windows are not simulated again; a Jacobian is kept until its window moves.
     """
+    count = len(states)
     states = states.copy()
     base = problem.track(hypothesis, x, states) if base is None else base.copy()
-    residual, count = problem.residuals(base), len(states)
-    slopes, A, damping = np.zeros((*residual.shape, 6)), np.zeros((count, 6, 6)), np.zeros(count)
-    active, old, newest = np.ones(count, dtype=bool), np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
+    residual = problem.residuals(base)
+    damping = np.zeros(count)
+    A, b = np.zeros((count, 6, 6)), np.zeros((count, 6))
+    active = moved = np.ones(count, dtype=bool)
     for _ in range(rounds):
-        if old.any():
-            part = chosen_windows(problem, old)
-            slopes[old] = part.state_jacobian(hypothesis, x, states[old], base[old])
-            A[old] = np.swapaxes(slopes[old], 1, 2) @ slopes[old]
-            newest, old = newest | old, np.zeros(count, dtype=bool)
-        b = (np.swapaxes(slopes, 1, 2) @ residual[..., None])[..., 0]
+        if moved.any():
+            slopes = chosen_windows(problem, moved).state_jacobian(hypothesis, x, states[moved], base[moved])
+            transposed = np.swapaxes(slopes, 1, 2)
+            A[moved], b[moved] = transposed @ slopes, (transposed @ residual[moved, :, None])[..., 0]
         step = np.linalg.solve(_ridged(A, damping), b[..., None])[..., 0]
-        promised = (step * b).sum(axis=1)
-        active &= promised > options().window_decrease
+        active &= (step * b).sum(axis=1) > options().window_decrease
         if not active.any():
             break
         part, tried = chosen_windows(problem, active), states[active] + step[active]
         prediction = part.track(hypothesis, x, tried)
         left = part.residuals(prediction)
-        gain = losses(residual[active]) - losses(left)
-        place, better, fresh = active.nonzero()[0], gain > 0.0, newest[active]
-        old[place] = (better | ~fresh) & ~(gain > least_gain_ratio(gain) * promised[active])
-        newest[place] = fresh & ~better
-        won, lost, judged = place[better], place[fresh & ~better], better | fresh
+        better = losses(residual[active]) - losses(left) > 0.0
+        place = np.flatnonzero(active)
+        won, lost = place[better], place[~better]
         states[won], base[won], residual[won] = tried[better], prediction[better], left[better]
+        active = active.copy()
         active[lost[damping[lost] > options().last_damping]] = False
-        damping[place[judged]] = next_damping(damping[place[judged]], better[judged], options().first_damping)
+        damping[place] = next_damping(damping[place], better, options().first_damping)
+        moved = np.zeros(count, dtype=bool)
+        moved[won] = True
     return states, base, residual
 
 
@@ -169,11 +169,6 @@ def min_decrease(problem: Shooting, chi2: float) -> float:
     """Fall of chi2 below which a fit ends; larger where the fit is far from the data."""
     above_noise = chi2 - options().noise_chi2 * problem.samples
     return max(options().least_decrease, options().least_decrease_share * above_noise)
-
-
-def least_gain_ratio(gain: Array | float) -> Array:
-    """Ratio of what a step gained in chi2 to what it promised, above which the Jacobian is kept."""
-    return np.where(gain < options().close_gain, options().gain_ratio, options().gain_ratio_far)
 
 
 def chosen_windows(problem: Shooting, chosen: NDArray[np.bool_]) -> Shooting:
@@ -244,7 +239,8 @@ def fit(
         gain = at.chi2 - moved.chi2
         at, newest = moved, newest and gain == 0.0
         least = min_decrease(problem, at.chi2)
-        if gain > least and gain_ratio > least_gain_ratio(gain):
+        good = options().gain_ratio if gain < options().close_gain else options().gain_ratio_far
+        if gain > least and gain_ratio > good:
             continue
         if newest or used >= steps or (gain_ratio > options().gain_ratio and not fresh):
             if refits == options().most_refits:
