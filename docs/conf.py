@@ -24,6 +24,7 @@ nitpick_ignore_regex = [  # other projects' types, and those of fields that are 
     ("py:class", r"swamp_rl\.effects\.(distributions|random_entry|correlated|fit)\..*"),
     ("py:class", r"swamp_rl\.boat_fit\.(pieces|wiring|fit|boat_file)\..*"),
     ("py:class", r"swamp_rl\.criticism\.result\.Predictors"),
+    ("py:class", r"swamp_rl\.boat\.likeness\.Build"),
 ]
 myst_enable_extensions = ["smartquotes"]
 myst_heading_anchors = 4
