@@ -60,7 +60,7 @@ SPREADS = {
     "c_rn": 0.4,
 }
 SOURCES = {
-    "x_vr": "Yoshimura and Masumoto 2012, 1.91 C_B B/L - 0.08, m'_y at most",
+    "x_vr": "Yoshimura and Masumoto 2012, 1.91 C_B B/L - 0.08",
     "y_v": "Kijima 1990, -(π k/2 + 1.4 C_B B/L), k = 2 d/L",
     "y_r": "Yoshimura and Masumoto 2012, 0.5 C_B B/L",
     "n_v": "Kijima 1990, -k",

@@ -1,8 +1,8 @@
 """Published estimates of a hull's numbers from length L, breadth B, draught d [m] and block coefficient.
 
-Sources: Lamb, *Hydrodynamics* (6th ed. 1932), articles 114 and 115; Inoue et al. (1981); Kijima et al.
-(1990); Yoshimura and Masumoto (2012), whose database ends at L/B = 2.6; Hoerner, *Fluid-Dynamic Drag*
-(1965), as in Fossen (2011).
+Sources: Lamb, *Hydrodynamics* (6th ed. 1932), articles 114 and 115; Kijima et al. (1990); Yoshimura and
+Masumoto (2012), whose database ends at L/B = 2.6; Hoerner, *Fluid-Dynamic Drag* (1965), as in
+Fossen (2011).
 """
 
 import math
@@ -65,16 +65,13 @@ def hull_derivatives(length: float, breadth: float, draught: float, block: float
     """Coefficients of `hull` [1] on ½ρLd, k = 2d/L, f = C_B B/L (`fullness`).
 
     Y'_v = −(½πk + 1.4 f), N'_v = −k, N'_r = −0.54 k + k² (Kijima, even keel); Y'_r − m'_x = 0.5 f and
-    X'_vr + m'_y = 1.91 f − 0.08, not below 0 (Yoshimura and Masumoto), and at most m'_y (`added_masses`):
-    the flow of an ideal fluid gives m_y v r, and viscosity takes a part of it (Inoue et al. 1981). The
-    regression knows no draught and gives several times that for a wide and shallow hull.
-    c_d: `cross_flow_drag`; the yaw rate counts whole in the cross flow, C_rY = C_rN = 1 (strip theory).
+    X'_vr + m'_y = 1.91 f − 0.08, not below 0 (Yoshimura and Masumoto). c_d: `cross_flow_drag`; the yaw rate
+    counts whole in the cross flow, C_rY = C_rN = 1 (strip theory).
     """
     k, f = 2.0 * draught / length, fullness(block, length, breadth)
     turning = min(k, SHALLOWEST_TURN)
-    abeam = ellipsoid_shares(0.5 * length, 0.5 * breadth, draught)[1] * 2.0 * block * breadth / length  # m'_y
     return {
-        "x_vr": min(max(1.91 * f - 0.08, 0.0), abeam),
+        "x_vr": max(1.91 * f - 0.08, 0.0),
         "y_v": -(0.5 * math.pi * k + 1.4 * f),
         "y_r": 0.5 * f,
         "n_v": -k,

@@ -114,20 +114,6 @@ def test_hull_derivatives_of_a_tanker_are_near_those_of_its_captive_tests() -> N
         assert found[name] == pytest.approx(getattr(osaka.hull, name), rel=0.15), name
 
 
-@pytest.mark.parametrize("draught", [0.2, 0.5, 1.0])
-def test_the_surge_force_of_drift_and_yaw_is_at_most_that_of_an_ideal_fluid(draught: float) -> None:
-    length, breadth, block, density = 6.0, 2.2, 0.5, 1025.0
-    sway = added_masses(density * block * length * breadth * draught, length, breadth, draught)[1]
-    most = sway / (0.5 * density * length**2 * draught)
-    assert hull_derivatives(length, breadth, draught, block)["x_vr"] <= most * (1.0 + 1e-9)
-
-
-def test_a_launch_of_usual_draught_turns_in_two_to_five_lengths(tmp_path: Path) -> None:
-    boat = new_boat(tmp_path, "propeller-rudder", 6.0, mass=1800.0, thrust=1000.0, draught=0.45)
-    track = sailed(boat, math.radians(35.0), 60.0, 1.0)
-    assert 2.0 < np.ptp(track[:, EAST]) / boat.length < 5.0
-
-
 def test_cross_flow_drag_is_hoerners_curve_and_constant_beyond_it() -> None:
     assert cross_flow_drag(2.0, 1.0) == pytest.approx(0.826, abs=0.005)
     assert cross_flow_drag(100.0, 1.0) == pytest.approx(0.5593)

@@ -91,7 +91,7 @@ def test_a_silent_address_is_given_up_in_one_line() -> None:
 
 def test_an_mcap_file_gives_the_rows_of_its_run(folder: Path, tmp_path: Path) -> None:
     run = read_dataset(folder).runs[0]
-    export_runs(folder, "mcap", tmp_path / "out", swamp())
+    export_runs(folder, "mcap", tmp_path / "out")
     found = list(samples(tmp_path / "out" / "one.mcap", swamp()))
     assert [sample.time for sample in found] == pytest.approx((run.time - run.time[0]).tolist())
     assert np.array([sample.senses for sample in found])[:, :3] == pytest.approx(run.pose)
