@@ -45,13 +45,6 @@ def test_an_outlier_and_a_repeated_sample_have_no_weight() -> None:
     assert (weight > 0).mean() > 0.99
 
 
-def test_turns_that_sensors_without_noise_measured_are_no_outliers() -> None:
-    found = simulated_runs([], noise=0.0)
-    weight = weights(found, noise_levels(found))
-    new = np.diff(found.measured, axis=1, prepend=np.nan) != 0.0
-    assert (weight[new] > 0).mean() > 0.999
-
-
 def test_a_gain_is_recovered_within_its_standard_error() -> None:
     found = simulated_runs([{"effect": "thruster_gain", "thruster": "bs", "gain": 0.8}])
     problem = Shooting(found, weights(found, noise_levels(found)), 10.0)

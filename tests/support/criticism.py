@@ -42,13 +42,9 @@ def commands(run: int) -> np.ndarray:
 
 
 def simulated_runs(
-    effects: list[dict[str, Any]],
-    seed: int = 0,
-    velocities: bool = True,
-    name: str = "swamp",
-    noise: float = 1.0,
+    effects: list[dict[str, Any]], seed: int = 0, velocities: bool = True, name: str = "swamp"
 ) -> RunSet:
-    """Three runs of 40 s of a boat that has those effects; noise: times SIGMA."""
+    """Three runs of 40 s with noise, of a boat that has those effects."""
     rng = np.random.default_rng(seed)
     boat = load_boat(name)
     record = parameters(boat, 3)
@@ -57,7 +53,7 @@ def simulated_runs(
     pose = np.array([[0.0, 0.0, 0.5], [5.0, -3.0, 2.5], [-4.0, 8.0, -2.0]])
     start = initial_state(record, pose)
     track = simulate(record, tank(boat), start, given[:, :-1].copy(), np.zeros(3, np.uint64), DT, 2)
-    measured = observe(track, record, DT) + noise * SIGMA * rng.standard_normal((3, given.shape[1], 6))
+    measured = observe(track, record, DT) + SIGMA * rng.standard_normal((3, given.shape[1], 6))
     if not velocities:
         measured[..., 3:5] = np.nan
     return RunSet(boat, DT, ("a", "b", "c"), given, measured, np.full(3, given.shape[1]))

@@ -13,12 +13,6 @@ from swamp_rl.criticism.options import options
 Array = NDArray[np.float64]
 
 NORMAL_OF_MAD = 1.4826  # standard deviation over median absolute value, of a normal distribution
-# places of four samples after, before and about one, and the factors of the cubic through them there
-CUBICS = (
-    ((1, 2, 3, 4), (4.0, -6.0, 4.0, -1.0)),
-    ((-1, -2, -3, -4), (4.0, -6.0, 4.0, -1.0)),
-    ((-2, -1, 1, 2), (-1.0 / 6.0, 4.0 / 6.0, 4.0 / 6.0, -1.0 / 6.0)),
-)
 GAIN_OF_THIRD_DIFFERENCE = np.sqrt(20.0)  # of the standard deviation of white noise: 1 + 9 + 9 + 1
 
 
@@ -69,19 +63,11 @@ def repeated_samples(measured: Array) -> NDArray[np.bool_]:
 
 
 def outliers(measured: Array, sigmas: Array) -> NDArray[np.bool_]:
-    """(R, T, 6) samples farther than `outlier` sigmas from the local median (Hampel filter), and from the
-    cubic through four samples beside them, which follows a turn that the median cuts.
-    """
+    """(R, T, 6) samples farther than `outlier` sigmas from the local median (Hampel filter)."""
     half = options().outlier_neighbours // 2
     padded = np.pad(measured, ((0, 0), (half, half), (0, 0)), constant_values=np.nan)
     views = np.lib.stride_tricks.sliding_window_view(padded, options().outlier_neighbours, axis=1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of windows without any sample
         middle = np.nanmedian(views, axis=-1)
-    expected, padded = middle, np.pad(measured, ((0, 0), (4, 4), (0, 0)), constant_values=np.nan)
-    for places, factors in CUBICS:  # the last one that has its four samples counts
-        parts = [padded[:, 4 + place : 4 + place + measured.shape[1]] for place in places]
-        cubic = np.tensordot(factors, parts, axes=1)
-        expected = np.where(np.isfinite(cubic), cubic, expected)
-    apart = np.minimum(np.abs(measured - middle), np.abs(measured - expected))
-    return np.asarray(apart > options().outlier * sigmas)
+    return np.abs(measured - middle) > options().outlier * sigmas
