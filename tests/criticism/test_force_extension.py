@@ -1,5 +1,6 @@
 """The force that no named effect explains, as an effect of the extended boat."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -127,6 +128,15 @@ def test_a_force_that_depends_on_the_place_has_both_components() -> None:
     values = variable_values(run_set, "position north")
     curve = both[0].instances[0].curve
     assert curve is not None and values.min() <= curve.knots[0] < curve.knots[-1] <= values.max()
+
+
+@pytest.mark.slow
+def test_a_propellers_thrust_and_the_surge_force_that_it_is_are_one_function() -> None:
+    run_set = replace(sailed(None, "A"), boat=load_boat("esso_osaka"))
+    at, first, second = np.linspace(-0.75, 1.0, 8).tolist(), [1.0] * 8, [2.0] * 8
+    both = [listed("thrust of main", "heading", at, first), listed("surge", "heading", at, second)]
+    _, *others = curve_instances(run_set, both)
+    assert [(np.unique(one.starts[0]).tolist(), len(one.instances)) for one in others] == [([1.0], 1)]
 
 
 @pytest.mark.slow

@@ -109,7 +109,7 @@ class RunSet:
         """In chi2, of the fitted instants of command changes."""
         return self.instants.cost if self.instants else 0.0
 
-    @property
+    @cached_property
     def parts(self) -> int:
         """Equal parts of a row in which commands may differ: the steps in which it is integrated, so that a
         delay moves commands by steps and mixes no two of them over a whole row.

@@ -34,10 +34,14 @@ class Function:
 
 def curve_instances(run_set: RunSet, leftover: Sequence[ResidualForce]) -> list[Function]:
     """The functions of the residual force by knots over the data's range. A horizontal force that depends on
-    the position is tried first, listed or not: a line's force is a function of the speed as well.
+    the position is tried first, listed or not: a line's force is a function of the speed as well. The thrust
+    of a propeller with a rudder is listed beside the surge force that it is as well: the first one counts.
     """
-    listed = {(one.force, one.variable): one for one in leftover if len(one.curve) > 1}
-    place = [listed.pop(key) if key in listed else _zero(run_set, *key) for key in PLACE]
+    listed: dict[tuple[str, str, str | None], ResidualForce] = {}
+    for one in leftover:
+        if len(one.curve) > 1:
+            listed.setdefault(_names(run_set.boat, one), one)
+    place = [listed.pop(_names(run_set.boat, zero), zero) for zero in (_zero(run_set, *key) for key in PLACE)]
     parts = [
         [_by_knots(run_set, one) for one in place],
         *([_by_knots(run_set, one)] for one in listed.values()),
