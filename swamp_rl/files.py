@@ -4,7 +4,7 @@ import difflib
 import errno
 import os
 import uuid
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from pathlib import Path
@@ -126,22 +126,6 @@ def refuse_name_of_file(path: Path) -> None:
         raise UserError(
             f"{path}: a folder is written here, and {path.suffix} ends the name of a file; name a folder, "
             f"such as {path.stem}"
-        )
-
-
-def refuse_to_replace(path: Path, replaces: Collection[str]) -> None:
-    """UserError unless folder `path` is absent, empty, or holds one of the files named `replaces`."""
-    refuse_name_of_file(path)
-    if path.is_symlink():
-        raise UserError(f"{path}: is a link, a folder was to be written here; name that or remove the link")
-    if not path.exists():
-        return
-    if not path.is_dir():
-        raise UserError(f"{path}: is a file, a folder was to be written here; name another or remove it")
-    ours = any((path / name).exists() for name in replaces)
-    if not ours and any(path.iterdir()):
-        raise UserError(
-            f"{path}: already exists and is not an earlier result; name another folder or remove it"
         )
 
 

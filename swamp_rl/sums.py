@@ -1,7 +1,9 @@
 """`SHA256SUMS` beside exported files, as `sha256sum` writes and checks them."""
 
 import hashlib
+import os
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from swamp_rl.errors import UserError
@@ -11,11 +13,41 @@ SUMS = "SHA256SUMS"
 _LINE = re.compile(r"([0-9a-f]{64})  (.+)")
 
 
-def write_sums(folder: Path) -> None:
-    """Write the SHA-256 of every file in and below `folder`, by its path from there."""
-    files = sorted(path for path in folder.rglob("*") if path.is_file() and path != folder / SUMS)
+def write_sums(folder: Path, name: str = SUMS) -> None:
+    """Write the SHA-256 of every file in and below `folder`, by its path from there, into its file `name`."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file() and path != folder / name)
     lines = "".join(f"{_digest(file)}  {file.relative_to(folder).as_posix()}\n" for file in files)
-    (folder / SUMS).write_text(lines, encoding="utf-8")
+    (folder / name).write_text(lines, encoding="utf-8")
+
+
+def new_since(folder: Path, name: str) -> Iterator[str]:
+    """The paths from `folder` of what lies in and below it now and did not, or with other bytes, when its
+    file `name` was written by `write_sums`: all, where that cannot be read. Folders alone are nothing; a link
+    is one path and is not followed. OSError where something cannot be read.
+    """
+    try:
+        lines = contents(folder / name, MOST_JSON, follow=False).decode("utf-8").split("\n")
+    except (OSError, UnicodeDecodeError):
+        lines = []
+    sums = {told[2]: told[1] for told in map(_LINE.fullmatch, lines) if told}
+    for path in _all_but_folders(folder):
+        found = path.relative_to(folder).as_posix()
+        same = found in sums and not path.is_symlink() and path.is_file() and _digest(path) == sums[found]
+        if not same and found != name:
+            yield found
+
+
+def _all_but_folders(folder: Path) -> list[Path]:
+    """The files, links and the like in and below a folder, sorted; OSError for a folder not readable."""
+    found = []
+    for top, folders, files in os.walk(folder, onerror=_raise):
+        links = [name for name in folders if Path(top, name).is_symlink()]
+        found += [Path(top, name) for name in (*links, *files)]
+    return sorted(found)
+
+
+def _raise(error: OSError) -> None:
+    raise error
 
 
 def changed(folder: Path) -> list[str]:

@@ -8,33 +8,37 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import UNFINISHED, flush, flush_whole, os_error, refuse_to_replace, write_beside
+from swamp_rl.files import UNFINISHED, flush, flush_whole, os_error, write_beside
+from swamp_rl.replacement import list_written, refuse_to_replace
 
 
 @contextmanager
-def folder_beside(path: Path | str, replaces: str | None = None) -> Iterator[Path]:
+def folder_beside(
+    path: Path | str, replaces: str | None = None, derived: Collection[str] = ()
+) -> Iterator[Path]:
     """Yield an empty hidden sibling of folder `path`, renamed to `path` once the block has ended well.
 
     An existing `path` that is not empty is replaced only if it holds a file named `replaces`, which shows
-    that it is an earlier result of the same kind. UserError where it does not, and where another process is
-    at work on the same folder, before any work is done; what another program puts there meanwhile is not
+    that it is an earlier result of the same kind, and nothing that came or changed since it was written, but
+    in folders named `derived` (`refuse_to_replace`). UserError where it does not, and where another process
+    is at work on the same folder, before any work is done; what another program puts there meanwhile is not
     replaced either. What processes that died have left beside `path` is removed. OSError -> UserError.
     """
     path = Path(path).absolute()
     part, old = _beside(".new-", path), _beside(".old-", path)
     marks = () if replaces is None else (replaces,)
     try:
-        refuse_to_replace(path, marks)
+        refuse_to_replace(path, marks, derived)
         with locked(path):
             _recover(old, path)
-            refuse_to_replace(path, marks)  # again: another process may have ended since
+            refuse_to_replace(path, marks, derived)  # again: another process may have ended since
             there = _state(path)
             remove_dead(path.parent)
             _remove(part)
             part.mkdir()
             try:
                 yield part
-                _publish(part, old, path, there)
+                _publish(part, old, path, there, marks, derived)
             finally:
                 _recover(old, path)
                 shutil.rmtree(part, ignore_errors=True)
@@ -57,8 +61,9 @@ def taken_up(
     the block ends, what it has made is left for the next life; only one refused by UserError before it made
     anything leaves nothing.
 
-    An existing `path` that is not empty is replaced only if it holds one of the files named `replaces`.
-    UserError where it does not, and where another process is at work on the same folder.
+    An existing `path` that is not empty is replaced only if it holds one of the files named `replaces`, and
+    nothing that came or changed since it was written. UserError where it does not, and where another process
+    is at work on the same folder.
     """
     path = Path(path).absolute()
     part, old = _beside(".part-", path), _beside(".old-", path)
@@ -76,7 +81,7 @@ def taken_up(
                     shutil.rmtree(part, ignore_errors=True)
                 raise
             try:
-                _publish(part, old, path, there)
+                _publish(part, old, path, there, replaces)
             finally:
                 _recover(old, path)
     except OSError as error:
@@ -216,16 +221,26 @@ def _state(path: Path) -> State | None:
         return None
 
 
-def _publish(part: Path, old: Path, path: Path, there: State | None) -> None:
-    """Put `part` in the place of `path`, everything safe on the disk before.
+def _publish(
+    part: Path,
+    old: Path,
+    path: Path,
+    there: State | None,
+    replaces: Collection[str],
+    derived: Collection[str] = (),
+) -> None:
+    """Put `part`, with the list of its files, in the place of `path`, everything safe on the disk before.
 
-    there: `_state` of `path` when its replacement was agreed to; UserError where it is another by now.
+    there: `_state` of `path` when its replacement was agreed to; UserError where it is another by now, and
+    where something in it came or changed since.
     """
+    list_written(part)
     flush_whole(part)
     if _state(path) != there:
         raise UserError(
             f"{path}: was written by another command meanwhile and is not replaced; move it, and try again"
         )
+    refuse_to_replace(path, replaces, derived)
     if path.exists():
         os.replace(path, old)
     os.replace(part, path)

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, new_files_beside, read_yaml, validated, write_beside, write_yaml
+from swamp_rl.replacement import WRITTEN
 from swamp_rl.unfinished import folder_beside
 
 # PyYAML folds the rare line ends of Unicode when it reads them.
@@ -141,7 +142,7 @@ def test_an_older_result_is_replaced_whole(tmp_path: Path) -> None:
         with folder_beside(tmp_path / "results", replaces="results.json") as part:
             (part / "results.json").write_text(text)
             (part / f"{text}.txt").write_text("")
-    assert {path.name for path in (tmp_path / "results").iterdir()} == {"results.json", "new.txt"}
+    assert {path.name for path in (tmp_path / "results").iterdir()} == {WRITTEN, "results.json", "new.txt"}
     assert [path.name for path in tmp_path.iterdir()] == ["results"]
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from swamp_rl import unfinished
 from swamp_rl.errors import UserError
+from swamp_rl.replacement import WRITTEN
 from swamp_rl.unfinished import folder_beside, locked, taken_up
 
 SAME = {"config/it.yaml": b"a: 1\n"}
@@ -25,7 +26,9 @@ def interrupted(path: Path, description: dict[str, bytes] = SAME) -> None:
 
 
 def names(folder: Path) -> list[str]:
-    return sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+    """Of all files but the lists of them."""
+    files = (path for path in folder.rglob("*") if path.is_file() and path.name != WRITTEN)
+    return sorted(path.relative_to(folder).as_posix() for path in files)
 
 
 def test_a_whole_folder_takes_its_place_and_leaves_nothing_beside_it(tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ def mission(
     from swamp_rl.boat import load_boat
     from swamp_rl.energy.fly import fly
     from swamp_rl.energy.mission import load_mission
-    from swamp_rl.files import refuse_to_replace
+    from swamp_rl.replacement import refuse_to_replace
 
     asked, path = load_mission(file)
     if out is not None:

@@ -20,8 +20,9 @@ from swamp_rl.clipped import clipped
 from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
-from swamp_rl.files import UNFINISHED, refuse_to_replace, write_text
+from swamp_rl.files import UNFINISHED, write_text
 from swamp_rl.names import plain_name
+from swamp_rl.replacement import refuse_to_replace
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.simulator.weather import refuse_unknown
 from swamp_rl.unfinished import locked, remove_dead

@@ -12,6 +12,7 @@ from swamp_rl.files import os_error, write_text
 from swamp_rl.json_text import parsed_json
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import MOST_JSON, contents
+from swamp_rl.unfinished import folder_beside
 
 RESULT, INPUT = "diagnosis.json", "fleet_input.json"
 SOURCES = (".csv", ".parquet", ".yaml")
@@ -21,17 +22,18 @@ SOURCES = (".csv", ".parquet", ".yaml")
 def diagnose_one(job: str) -> str:
     """Diagnose a dataset and note what it was; the job holds `dataset`, `boat`, `out`, `ignore` and `input`.
 
-    The note is written last: a diagnosis without it was not finished.
+    The note is in the folder from the first: it is the command's, and no file that came later.
     """
     from swamp_rl.criticism.diagnose import diagnose
 
     asked = json.loads(job)
     dataset, out = Path(asked["dataset"]), Path(asked["out"])
     try:
-        found = diagnose(dataset, asked["boat"], out, ignore=asked["ignore"])
+        with folder_beside(out, RESULT) as part:
+            found = diagnose(dataset, asked["boat"], part, ignore=asked["ignore"])
+            write_text(part / INPUT, json.dumps(asked["input"], indent=1) + "\n")
     except UserError as error:
         return json.dumps({"error": " ".join(str(error).split())})
-    write_text(out / INPUT, json.dumps(asked["input"], indent=1) + "\n")
     return json.dumps({"verdict": found.verdict, "seconds": found.elapsed_s})
 
 

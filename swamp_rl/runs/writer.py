@@ -17,7 +17,7 @@ from swamp_rl.runs.check import check_table
 from swamp_rl.runs.copies import boat_of, standing_alone
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.run import Run
-from swamp_rl.runs.schema import META, DatasetMeta, RunMeta
+from swamp_rl.runs.schema import ANALYSIS, META, DatasetMeta, RunMeta
 from swamp_rl.runs.table import FORMATS, Table, read_table, write_table
 from swamp_rl.sums import SUMS
 from swamp_rl.unfinished import folder_beside, locked
@@ -79,7 +79,7 @@ def dataset_beside(folder: Path | str, meta: DatasetMeta, new: bool = False) -> 
         there = read_meta(folder)
         if (there.source, there.notes) != (meta.source, meta.notes):
             raise UserError(f"{folder}: holds other runs, {there.source} ones; name another folder")
-    with folder_beside(folder, replaces=None if new else META) as part:
+    with folder_beside(folder, replaces=None if new else META, derived=(ANALYSIS,)) as part:
         create_dataset(part, meta)
         yield part
 

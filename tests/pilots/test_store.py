@@ -24,6 +24,7 @@ from swamp_rl.pilots.reservoir import fit_reservoir
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import describe_pilot
 from swamp_rl.pilots.takeover import TakeoverPilot
+from swamp_rl.replacement import WRITTEN
 from tests.support.steering_runs import RUNS, SMALL
 
 SENSES = ("north", "east", "cos_heading", "sin_heading")
@@ -55,7 +56,8 @@ def test_a_pilot_read_back_drives_bit_for_bit_alike(kind: str, tmp_path: Path) -
     again = load_pilot(tmp_path / kind)
     assert (again.kind, again.senses) == (fitted(kind).kind, fitted(kind).senses)
     np.testing.assert_array_equal(levers(again), levers(fitted(kind)))
-    assert sorted(path.name for path in (tmp_path / kind).iterdir()) == ["pilot.json", "weights.safetensors"]
+    names = {path.name for path in (tmp_path / kind).iterdir()}
+    assert names == {WRITTEN, "pilot.json", "weights.safetensors"}
 
 
 def test_an_earlier_pilot_is_replaced_and_another_folder_is_not(tmp_path: Path) -> None:
@@ -92,7 +94,6 @@ def resealed(folder: Path, **changes: Any) -> None:
 
 
 def test_a_description_that_makes_no_pilot_is_told_in_one_line_that_names_it(tmp_path: Path) -> None:
-    folder = tmp_path / "pilot"
     bare = {"kind": "ppo", "senses": [], "hold": 1}
     spoilt: dict[str, dict[str, Any]] = {
         "'autopilot' is none of": {"kind": "autopilot"},
@@ -102,7 +103,8 @@ def test_a_description_that_makes_no_pilot_is_told_in_one_line_that_names_it(tmp
         "differ in the observation": {"senses": ("north",)},
         "string indices": {"kind": "takeover", "settings": {"first": "reservoir", "then": "ppo"}},
     }
-    for message, changes in spoilt.items():
+    for number, (message, changes) in enumerate(spoilt.items()):
+        folder = tmp_path / f"pilot-{number}"
         save_pilot(fitted("reservoir"), folder)
         resealed(folder, **changes)
         with pytest.raises(UserError, match=message) as told:

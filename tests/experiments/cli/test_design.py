@@ -10,9 +10,10 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.design import draught_of, load_hull
 from swamp_rl.files import find_config, read_yaml, write_yaml
+from swamp_rl.replacement import WRITTEN as LIST
 from tests.support.command_line import Call, assert_complains
 
-COMMON = {"design.json", "design.yaml"}
+COMMON = {LIST, "design.json", "design.yaml"}
 WRITTEN = {
     ("pump-jet", "swamp_pump_jet"): {"boat.yaml", "curve.csv", "triangles.csv", "pump_jet.png"},
     ("hull", "swamp_hull"): {"boat.yaml", "hydrostatics.csv", "load.csv", "levers.csv", "hull.png"},

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 from swamp_rl.files import find_config
+from swamp_rl.replacement import WRITTEN
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
 
@@ -15,7 +16,8 @@ def test_a_square_is_identified_replayed_and_drawn(call: Call, tmp_path: Path) -
     told = json.loads((tmp_path / "out/result.json").read_text())
     assert told["axes"]["surge"]["shown"]
     assert told["track_error"]["mean"] <= told["track_error"]["rms"] <= told["track_error"]["max"]
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"report.md", "result.json", "square.png"}
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {WRITTEN, "report.md", "result.json", "square.png"}
 
 
 def test_what_is_not_shown_is_said_and_bad_files_are_refused(call: Call, tmp_path: Path) -> None:

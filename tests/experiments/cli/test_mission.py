@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from swamp_rl.experiments.artifacts.stages import stages
 
+from swamp_rl.replacement import WRITTEN
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
 
@@ -26,6 +27,7 @@ def test_a_mission_writes_report_figure_rows_and_figures(call: Call, tmp_path: P
     assert "state of charge at the end: starboard 0.99" in said
     out = tmp_path / "out folder"
     assert {path.name for path in out.iterdir()} == {
+        WRITTEN,
         "report.md",
         "mission.json",
         "mission.csv",

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from swamp_rl.experiments.cli import app as cli
 
+from swamp_rl.replacement import WRITTEN
 from swamp_rl.runs import read_dataset
 from tests.support.binary_logs import bag
 from tests.support.runs import circling
@@ -58,7 +59,7 @@ def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called],
     assert run.columns["surge"][0] == pytest.approx(0.514444, abs=1e-6)
     assert call("check", "day")[0] == 0
     assert call("export", "day", "--to", "mcap", "--out", "bags") == (0, "bags: 1 run\n", "")
-    assert sorted(path.name for path in Path("bags").iterdir()) == ["SHA256SUMS", "log.mcap"]
+    assert sorted(path.name for path in Path("bags").iterdir()) == [WRITTEN, "SHA256SUMS", "log.mcap"]
 
 
 def test_all_that_is_missing_is_listed_a_line_each(call: Callable[..., Called], log: Path) -> None:

@@ -9,6 +9,7 @@ import sys
 import warnings
 from contextlib import ExitStack
 from html.parser import HTMLParser
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urljoin, urlsplit
@@ -29,7 +30,7 @@ from swamp_rl.experiments.fleet.significance import (
 from swamp_rl.experiments.fleet.work import INPUT, RESULT, diagnose_one
 from swamp_rl.experiments.synthetic.cases import Case, write_case
 
-from swamp_rl.criticism.result import HeldOut
+from swamp_rl.criticism.result import Diagnosis, HeldOut
 from swamp_rl.errors import UserError
 from swamp_rl.runs import read_dataset
 from swamp_rl.unfinished import folder_beside, locked
@@ -233,6 +234,25 @@ def test_a_folder_of_another_kind_in_a_datasets_place_is_not_removed(folder: Pat
     assert "is not an earlier result" in errors["blue_may"] and "is a link" in errors["red_may"]
     assert (folder / "out" / "blue_may" / "notes.txt").read_text() == "mine"
     assert (elsewhere / RESULT).exists()
+
+
+def test_a_dataset_that_changed_is_diagnosed_again_but_not_over_a_note(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def quick(dataset: Path, boat: str | None, out: Path, ignore: list[str]) -> Diagnosis:
+        with folder_beside(out, RESULT) as part:
+            (part / RESULT).write_text(diagnosis().model_dump_json())
+        return diagnosis()
+
+    monkeypatch.setattr(import_module("swamp_rl.criticism.diagnose"), "diagnose", quick)
+    notes = folder / "out" / "may" / "notes.txt"
+    for rows, told in (("one", None), ("two", None), ("three", "notes.txt in it came or changed")):
+        (folder / "in" / "red" / "may" / "run.csv").write_text(rows)
+        if told:
+            notes.write_text("mine")
+        found = diagnose_fleet([folder / "in/red/may"], folder / "out", pool=PoolHere(diagnose_one, 1, 0))
+        assert (told or "None") in str(found.members[0].error)
+    assert notes.read_text() == "mine"
 
 
 def test_a_link_in_the_place_of_the_fleet_is_refused(folder: Path) -> None:
