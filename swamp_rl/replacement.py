@@ -53,7 +53,7 @@ def refuse_to_replace(path: Path, replaces: Collection[str], derived: Collection
         more = f" and {counted(len(new) - TOLD, 'more file')}" if len(new) > TOLD else ""
         raise UserError(
             f"{path}: is not replaced, as {names}{more} in it came or changed after it was written; move or "
-            "remove what is told, or name another folder"
+            "remove such files, or name another folder"
         )
 
 
