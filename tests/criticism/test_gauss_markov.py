@@ -45,15 +45,43 @@ def test_the_filter_gives_the_likelihood_of_the_whole_covariance() -> None:
     assert made.whitened(values.copy())[0, :, :, 1:] == pytest.approx(values[0, :, :, 1:])
 
 
-def test_size_and_time_constant_are_estimated_and_are_zero_for_white_noise() -> None:
+@pytest.mark.parametrize("channels", [(0, 1), (3,)])
+def test_size_and_time_constant_are_estimated_and_are_zero_for_white_noise(channels: tuple[int]) -> None:
     rng = np.random.default_rng(1)
     cut = windows(10, 400)
     values = rng.standard_normal(cut.weight.shape)
-    values[..., 1] += gauss_markov_noise(rng, (10, 400), 4.0, 10.0)
+    for channel in channels:
+        values[..., channel] += gauss_markov_noise(rng, (10, 400), 4.0, 10.0)
     slow = fit_gauss_markov(cut, values * cut.weight, DT)
-    assert (slow[[0, 2, 3, 4, 5], 0] == 0.0).all()
-    assert 2.0 < slow[1, 0] < 8.0
-    assert 3.0 <= slow[1, 1] <= 30.0
+    assert np.flatnonzero(slow[:, 0]).tolist() == list(channels)
+    assert (slow[channels, :] == slow[channels[0]]).all()
+    size, seconds = slow[channels[0]]
+    assert 2.0 < size < 8.0
+    assert 3.0 <= seconds <= 30.0
+
+
+def test_a_position_that_was_not_measured_has_no_noise() -> None:
+    rng = np.random.default_rng(1)
+    cut = windows(10, 400)
+    cut.weight[..., 1] = 0.0
+    values = rng.standard_normal(cut.weight.shape)
+    values[..., 0] += gauss_markov_noise(rng, (10, 400), 4.0, 10.0)
+    slow = fit_gauss_markov(cut, values * cut.weight, DT)
+    assert np.flatnonzero(slow[:, 0]).tolist() == [0]
+
+
+def test_noise_of_the_receiver_is_found_where_either_position_alone_does_not_show_it() -> None:
+    together, alone = 0, 0
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        cut = windows(4, 200)
+        values = rng.standard_normal(cut.weight.shape)
+        for channel in (0, 1, 3):
+            values[..., channel] += gauss_markov_noise(rng, (4, 200), 0.25, 10.0)
+        north, east, _, surge, *_ = fit_gauss_markov(cut, values * cut.weight, DT)[:, 0] > 0.0
+        together, alone = together + (north and east), alone + surge
+    assert alone <= 2
+    assert together >= 4
 
 
 def test_position_noise_is_no_cause_and_hides_none() -> None:

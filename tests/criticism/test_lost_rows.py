@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.run_set import Gap, RunSet
+from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.likelihood.initial_states import levels_and_slopes, smoothed_states
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
-from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection import continuation
-from swamp_rl.criticism.selection.continuation import with_corrected_commands
+from swamp_rl.criticism.selection.continuation import LAST, continuation_of, with_corrected_commands
 from tests.support.criticism import commands, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
@@ -63,6 +64,37 @@ def test_commands_in_lost_rows_are_given_up_once_they_cannot_make_the_residual_n
     with using(nearly_noise=np.inf):
         assert with_corrected_commands(problem, at) == (problem, at)
     assert len(rounds) == 1
+
+
+def test_a_standard_error_counts_that_the_command_in_lost_rows_is_unknown() -> None:
+    """As a further parameter does: the number of the gap's rows after which it changed, equally likely."""
+    given = np.zeros((1, 300, 8))
+    given[:, :, 4:] = np.where(np.arange(300) < ROW, 0.5, 0.9)[None, :, None]
+    sailed = driven([{"effect": "resistance", "scale": 1.2}], given, 1.0, seed=3)
+    lost, measured = 4, sailed.measured.copy()
+    measured[:, ROW - 2 : ROW + 2] = np.nan
+    log = replace(sailed, measured=measured, gaps=(Gap(0, ROW - 2, lost),))
+    resistance = Hypothesis((by_label(candidates(log.boat, 30.0))["resistance"],))
+    continuation = continuation_of(log, weights(log, noise_levels(log)))
+    at = continuation.fit(LAST, resistance, np.array([1.2]))
+    problem = continuation.problem(LAST, resistance)
+    (gap,) = problem.run_set.filled
+    told = sandwich_covariance(problem, at)[0, 0]
+    problem.run_set = replace(problem.run_set, filled=())
+    known = sandwich_covariance(problem, at)[0, 0]
+
+    base = problem.track(resistance, at.x, at.states)
+    commands = problem.run_set.commands.copy()
+    commands[0, int((commands[0, :, 4] == 0.5).sum()) - 1] = commands[0, -1]  # a row earlier
+    moved = problem.with_commands(replace(problem.run_set, commands=commands))
+    earlier = problem.standardised(moved.track(resistance, at.x, at.states) - base)
+    by_x = problem.parameter_jacobian(resistance, at.x, at.states, base)
+    slopes = np.concatenate([at.states_jacobian[0], by_x[0], earlier.reshape(-1, 1)], axis=1)
+    information = slopes.T @ slopes
+    alone = np.linalg.inv(information[:-1, :-1])[-1, -1]
+    information[-1, -1] += 1.0 / np.var(np.arange(gap.rows + 1))
+    assert told / known == pytest.approx(np.linalg.inv(information)[-2, -2] / alone, rel=0.05)
+    assert told > 1.1 * known
 
 
 def test_smoothing_is_exact_on_a_parabola_and_on_a_line_through_two_samples() -> None:

@@ -30,6 +30,7 @@ from swamp_rl.simulator.weather import DEPTH, FIELDS, FROM, SPEED, measured_weat
 Array = NDArray[np.float64]
 
 CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
+POSITIONS = slice(0, 2)
 UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
 
 
@@ -57,15 +58,16 @@ class Instants:
 class RunSet:
     """R runs of up to T samples of one boat.
 
-    dt: sample step [s]; commands: (R, T, 2K), interpolated linearly over missing rows; measured: (R, T, 6) in
-    the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none; lengths: (R,) samples of each
-    run; gaps: where the commands are unknown; gauss_markov: (6, 2) standard deviation [the channel's unit]
-    and time constant [s] of the Gauss-Markov part of the noise, None where it is white; too_short: names of
-    runs that are left out; weather: (R or 0, T, 3), rows of `measured_weather`; ignored: the same with
-    the measured wind, where that was left out; origin: the run that each is a part of, itself where empty;
-    days: the group that a dataset gives each run, or none; within: (R, T, parts, 2K) commands in the parts of
-    each row less those of the row, None where these are held; instants: those by which the logged commands
-    were moved, None where they were not.
+    dt: sample step [s]; commands: (R, T, 2K), interpolated linearly over missing rows; measured: (R, T,
+    6) in the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none; lengths: (R,)
+    samples of each run; gaps: where the commands are unknown; filled: those in which the best-fitting
+    ones were chosen; gauss_markov: (6, 2) standard deviation [the channel's unit] and time constant [s]
+    of the Gauss-Markov part of the noise, None where it is white; too_short: names of runs that are left
+    out; weather: (R or 0, T, 3), rows of `measured_weather`; ignored: the same with the measured wind,
+    where that was left out; origin: the run that each is a part of, itself where empty; days: the group
+    that a dataset gives each run, or none; within: (R, T, parts, 2K) commands in the parts of each row
+    less those of the row, None where these are held; instants: those by which the logged commands were
+    moved, None where they were not.
     """
 
     boat: Boat
@@ -75,6 +77,7 @@ class RunSet:
     measured: Array
     lengths: NDArray[np.int64]
     gaps: tuple[Gap, ...] = ()
+    filled: tuple[Gap, ...] = ()
     gauss_markov: Array | None = None
     too_short: tuple[str, ...] = ()
     weather: Array = field(default_factory=lambda: np.zeros((0, 0, 3)))

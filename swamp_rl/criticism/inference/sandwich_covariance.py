@@ -7,7 +7,7 @@ from swamp_rl.constants import Z95
 from swamp_rl.criticism.likelihood.cross_validation import folds_of, numbers_without
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, moved_together
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
-from swamp_rl.criticism.nuisance.switching_times import SPREAD, share_slopes
+from swamp_rl.criticism.nuisance.switching_times import share_slopes, unknown_instants
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
@@ -60,7 +60,7 @@ def _wider(freedom: Array) -> Array:
 
 
 def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:
-    """(p, p) inverse Fisher information, less what the instants of commands between rows take of it, widened
+    """(p, p) inverse Fisher information, less what unknown instants of commands take of it, widened
     where the scores of blocks scatter more than white noise of the estimated variance would; and (p,) degrees
     of freedom of that scatter, infinite where the blocks are too few and nothing is widened.
 
@@ -97,19 +97,17 @@ def scattered_covariance(problem: Shooting, at: Fit) -> tuple[Array, Array]:
 
 
 def _project_instants_out(problem: Shooting, at: Fit, slopes: Array) -> Array:
-    """(p, p) information about the parameters that the unknown instants of commands between rows take, given
-    their prior; and project them out of the sensitivities (W, M, p) in place. Zeros where commands are as
-    logged.
+    """(p, p) information about the parameters that the unknown instants of commands take, given their prior;
+    and project them out of the sensitivities (W, M, p) in place. Zeros where commands are as logged.
     """
     taken = np.zeros((at.hypothesis.size, at.hypothesis.size))
-    known = problem.run_set.instants
-    if known is None:
-        return taken
-    for window, _, by_share in share_slopes(problem, at, known.change, known.shares):
+    change, shares, spread = unknown_instants(problem.run_set)
+    for window, rows, by_share in share_slopes(problem, at, change, shares):
         by_state, A = at.states_jacobian[window], at.normal.states_information[window]
         free = by_share - by_state @ np.linalg.solve(A, by_state.T @ by_share)
         cross = free.T @ slopes[window]
-        solved = np.linalg.solve(free.T @ free + np.eye(free.shape[1]) * SPREAD**-2, cross)
+        prior = np.diag(spread[problem.windows.run[window], rows] ** -2.0)
+        solved = np.linalg.solve(free.T @ free + prior, cross)
         taken += cross.T @ solved
         slopes[window] -= free @ solved
     return taken

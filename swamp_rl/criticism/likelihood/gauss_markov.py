@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data.run_set import CHANNELS
+from swamp_rl.criticism.data.run_set import CHANNELS, POSITIONS
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.model.rollout import filter_gains, whiten
 from swamp_rl.criticism.options import options
@@ -53,9 +53,12 @@ def kalman_filter(windows: Windows, process: Array, dt: float) -> Filter:
 
 def fit_gauss_markov(windows: Windows, difference: Array, dt: float) -> Array:
     """(6, 2) standard deviation and time constant [s] of each channel's process at maximum likelihood, 0
-    where white noise is as likely; difference: (W, T, 6) measured less predicted, standardised.
+    where white noise is as likely; difference: (W, T, 6) measured less predicted, standardised. North and
+    east are of one receiver: their processes are alike.
     """
-    unit = 1.0 / np.maximum(windows.weight[:, windows.pad :].max(axis=(0, 1)), 1e-12)
+    weight = windows.weight[:, windows.pad :].max(axis=(0, 1))
+    unit = np.where(weight > 0.0, 1.0 / np.maximum(weight, 1e-12), 0.0)
+    unit[POSITIONS] = unit[POSITIONS].max()
     best = np.zeros((len(CHANNELS), 2))
     white = _minus_two_log_likelihood(windows, difference, np.zeros((len(CHANNELS), 2)), dt)
     least = white - options().wander_gain
@@ -65,13 +68,15 @@ def fit_gauss_markov(windows: Windows, difference: Array, dt: float) -> Array:
             found = _minus_two_log_likelihood(windows, difference, process, dt)
             better = found < least
             best[better], least[better] = process[better], found[better]
-    return best
+    return np.where(weight[:, None] > 0.0, best, 0.0)
 
 
 def _minus_two_log_likelihood(windows: Windows, difference: Array, process: Array, dt: float) -> Array:
-    """(6,) of each channel, but for a constant."""
+    """(6,) of each channel, of both positions together, but for a constant."""
     made = kalman_filter(windows, process, dt)
     innovation = made.whitened(difference[None].copy())[0]
     seen = made.scale > 0
     variance = np.log(np.where(seen, made.scale, 1.0))
-    return np.asarray(np.where(seen, innovation**2 - 2.0 * variance, 0.0).sum(axis=(0, 1)))
+    found = np.where(seen, innovation**2 - 2.0 * variance, 0.0).sum(axis=(0, 1))
+    found[POSITIONS] = found[POSITIONS].sum()
+    return np.asarray(found)

@@ -53,7 +53,7 @@ def with_best_commands(
         best = problem.run_set.commands[mine[loss[mine].argmin()]]
         rows = slice(gap.row, gap.row + gap.rows)
         commands[gap.run, rows] = best[rows]
-    return replace(run_set, commands=commands, gaps=kept)
+    return replace(run_set, commands=commands, gaps=kept, filled=tuple(short))
 
 
 def stepwise(run_set: RunSet, run: int) -> bool:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.data.run_set import CHANNELS, POSITIONS, RunSet
 from swamp_rl.criticism.likelihood.force_sensitivity import AXES, force_grid, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit
@@ -75,9 +75,6 @@ def measurement_noise_gain(white: Fit, aware: Shooting, at: Fit) -> float:
         return 0.0
     scale = aware.filter.scale
     return white.chi2 - at.chi2 + 2.0 * float(np.log(scale[scale > 0.0]).sum())
-
-
-POSITIONS = slice(0, 2)
 
 
 @dataclass(frozen=True)

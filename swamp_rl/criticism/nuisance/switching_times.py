@@ -6,10 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step
-from swamp_rl.criticism.nuisance.command_timing import command_sensitivity, have_ramps, shifted_within
+from swamp_rl.criticism.nuisance.command_timing import (
+    command_changes,
+    command_sensitivity,
+    have_ramps,
+    shifted_within,
+)
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
@@ -94,6 +100,23 @@ def cost_of_shares(equations: Sequence[ShareEquations], shares: Array, mean: flo
     """
     volume = sum(float(np.linalg.slogdet(one.information * SPREAD**2)[1]) for one in equations)
     return volume + float(departures(equations, shares, mean).sum())
+
+
+def unknown_instants(run_set: RunSet) -> tuple[Array, Array, Array]:
+    """Change (R, T, 2K) of the commands until the next row where its instant is unknown, 0 elsewhere; share
+    (R, T) of it that the row takes on; and the standard deviation of that share: between two rows, and in a
+    gap whose command may have changed after any number n of its rows, sqrt(n (n + 2) / 12) of them.
+    """
+    logged, known = command_changes(run_set), run_set.instants
+    change = known.change.copy() if known else np.zeros_like(logged)
+    shares = known.shares if known else np.zeros(logged.shape[:2])
+    spread = np.full(shares.shape, SPREAD)
+    for gap in run_set.filled:
+        steps = logged[gap.run, gap.row - 1 : gap.row + gap.rows]
+        row = gap.row - 1 + int(np.abs(steps).max(axis=1).argmax())
+        change[gap.run, row] = logged[gap.run, row]
+        spread[gap.run, row] = SPREAD * np.sqrt(gap.rows * (gap.rows + 2.0))
+    return change, shares, spread
 
 
 def share_slopes(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.run_set import POSITIONS, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy, near
 from swamp_rl.criticism.likelihood.discretisation import discretisation_errors
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
@@ -40,7 +40,6 @@ from swamp_rl.criticism.selection.stepwise_selection import select_under_model_e
 Array = NDArray[np.float64]
 Source = Literal["measurement", "process"] | None
 
-POSITIONS = slice(0, 2)
 OTHERS = slice(2, 6)
 TINY = 1e-9  # floor of sizes and times in logarithms
 
@@ -89,9 +88,7 @@ def _with_its_noise(
     model error.
     """
     given = instances, hull, tried
-    if found.adequate and found.stage >= LAST:
-        return run_set, continuation, found
-    if found.adequate and diverged(continuation, found.winner):
+    if found.adequate and found.stage < LAST and diverged(continuation, found.winner):
         if is_adequate_on_longer(continuation, found.winner):
             return run_set, continuation, found
         found = replace(found, adequate=False, stage=MIDDLE, rivals=[])
