@@ -276,8 +276,7 @@ class Options:
     wander_rounds: int = 3  # repetitions of fit and noise estimate
     step_budget_again: float = 5e6  # boat steps of each later search
     step_budget_suspected: float = 8e6  # of the first search where position noise is suspected
-    # differences of log size and log time: steps of the grid
-    noise_unchanged: tuple[float, float] = (1.0, 1.5)
+    noise_unchanged: tuple[float, float] = (1.0, 1.5)  # in log size and log time: steps of the grid
     most_repeats: int = 3  # searches under re-estimated noise
     total_budget: float = 2e7  # boat steps of all searches, after which none is repeated
     most_reconstructions: int = 2  # searches with reconstructed commands
@@ -374,6 +373,7 @@ class Options:
     figure_sets: int = 4  # sets that are extended by a further effect
     figure_effects: int = 3  # effects in a stage
     figure_evaluations: int = 30  # of a fit
+    figure_tolerance: float = 1e-5  # of chi2 and of the parameters, relative: less change ends a fit
     figure_step: float = 1e-4  # of a number, finite difference
     figure_far: float = 1e4  # errors: misfit of a figure that a boat cannot give
     figures_listed: int = 15  # candidates

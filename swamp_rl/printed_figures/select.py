@@ -135,6 +135,8 @@ class Problem:
                 x_scale=scale,
                 diff_step=options().figure_step,
                 max_nfev=options().figure_evaluations,
+                ftol=options().figure_tolerance,
+                xtol=options().figure_tolerance,
             )
             if best is None or found.cost < best.cost:
                 best = found
@@ -173,8 +175,10 @@ def stage_of(
     before = problem.fit(base.hypothesis, [base.x])
     fits = fits_by_evidence(problem, before, seen)
     winner = fits[0]
-    alone = Problem(problem.fleet, problem.figures, {})
-    plain = fits_by_evidence(alone, alone.fit(base.hypothesis, [base.x]), seen)
+    plain = fits
+    if problem.priors:
+        alone = Problem(problem.fleet, problem.figures, {})
+        plain = fits_by_evidence(alone, alone.fit(base.hypothesis, [base.x]), seen)
     return Stage(
         groups,
         problem.figures,
