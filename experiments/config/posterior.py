@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from swamp_rl.boat import load_boat
+from swamp_rl.clipped import clipped
 from swamp_rl.criticism.model.extended_boat import BOAT
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
@@ -19,9 +20,12 @@ from swamp_rl.effects.random_entry import COMPONENTS, RandomEntry
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
 from swamp_rl.files import write_yaml
+from swamp_rl.json_text import model_in
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.printed_figures.result import FiguresDiagnosis
 from swamp_rl.simulator.reference import size_of
+
+REMEDY = "name a diagnosis.json of swamp-rl diagnose"
 
 
 def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dict[str, Any]:
@@ -93,18 +97,16 @@ def _names(thruster: str | Sequence[str] | None) -> set[str]:
 def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
     """A diagnosis of runs, or of printed figures, which has stages."""
     try:
-        text = contents(path, MOST_JSON).decode("utf-8")
-        model = FiguresDiagnosis if '"stages"' in text else Diagnosis
-        return model.model_validate_json(text)
+        text = contents(path, MOST_JSON)
+        model = FiguresDiagnosis if b'"stages"' in text else Diagnosis
+        return model_in(text, model)
     except OSError as error:
-        raise UserError(f"{path}: {error.strerror}; name a diagnosis.json of swamp-rl diagnose") from error
-    except UnicodeDecodeError as error:
-        raise UserError(f"{path}: is not UTF-8 text; name a diagnosis.json of swamp-rl diagnose") from error
+        raise UserError(f"{path}: {error.strerror}; {REMEDY}") from error
     except ValidationError as error:
         where, told = explanations(error, model)[0]
-        raise UserError(
-            f"{path}: {where + ': ' if where else ''}{told}; name a diagnosis.json of swamp-rl diagnose"
-        ) from error
+        raise UserError(f"{path}: {where + ': ' if where else ''}{told}; {REMEDY}") from error
+    except ValueError as error:
+        raise UserError(f"{path}: is no JSON ({clipped(error)}); {REMEDY}") from error
 
 
 def _entry(cause: Cause, where: Path) -> dict[str, Any]:
@@ -114,8 +116,8 @@ def _entry(cause: Cause, where: Path) -> dict[str, Any]:
     for name, found in cause.parameters.items():
         if name not in effect.parameter_names:
             raise UserError(f"{where}: {cause.effect}: no {name!r}{nearest(name, effect.parameter_names)}")
-        if not math.isfinite(found.value) or not 0.0 <= found.standard_error < math.inf:
-            raise UserError(f"{where}: {cause.effect}: {name} is no number with an error; diagnose again")
+        if found.standard_error < 0.0:
+            raise UserError(f"{where}: {cause.effect}: {name}: its error is negative; diagnose again")
     thruster = {} if cause.thruster is None else {"thruster": cause.thruster}
     if cause.spread and effect.vector:
         return {"effect": cause.effect, **thruster, COMPONENTS: _between_runs(cause, *effect.vector)}

@@ -9,7 +9,7 @@ from swamp_rl.boat.digest import boat_digest
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error, write_text
-from swamp_rl.json_text import parsed_json
+from swamp_rl.json_text import model_in, parsed_json
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.unfinished import folder_beside
@@ -65,7 +65,7 @@ def read_diagnosis(out: Path) -> Diagnosis:
     """The diagnosis in a folder; UserError where it is none."""
     path = out / RESULT
     try:
-        return Diagnosis.model_validate_json(contents(path, MOST_JSON, follow=False))
+        return model_in(contents(path, MOST_JSON, follow=False), Diagnosis)
     except OSError as error:
         raise os_error(error, path) from error
     except ValueError as error:

@@ -96,7 +96,7 @@ def _loaded(content: bytes, file: str) -> Any:
     try:
         with zipfile.ZipFile(BytesIO(content)) as archive:
             data = json.loads(archive.read("data"))
-    except (zipfile.BadZipFile, KeyError, ValueError) as error:
+    except (zipfile.BadZipFile, KeyError, ValueError, RecursionError) as error:
         raise UserError(
             f"{named}: is no model of stable-baselines3 ({error}); name the zip it saved"
         ) from error

@@ -270,8 +270,16 @@ def test_a_file_that_is_no_diagnosis_and_one_without_causes_are_refused(tmp_path
     [
         (CURRENT | {"effect": "curent"}, None, "did you mean 'current'"),
         ({"effect": "current", "parameters": {"nroth": estimate(0.2, 0.1)}}, None, "did you mean 'north'"),
-        ({"effect": "current", "parameters": {"north": estimate(np.nan, 0.1)}}, None, "north is no number"),
-        ({"effect": "current", "parameters": {"north": estimate(0.1, -0.1)}}, None, "north is no number"),
+        (
+            {"effect": "current", "parameters": {"north": estimate(np.nan, 0.1)}},
+            None,
+            "NaN is no finite number",
+        ),
+        (
+            {"effect": "current", "parameters": {"north": estimate(0.1, -0.1)}},
+            None,
+            "north: its error is negative",
+        ),
         (CURRENT, [[1.0, 2.0], [2.0, 1.0]], "none of correlations"),
     ],
 )
