@@ -70,6 +70,7 @@ def _results(name: str) -> Make:
         (home / "versions.json").write_text(json.dumps({"commit": "0123abc", "numpy": "2.0"}))
         table = {column: np.arange(3.0) for column in COLUMNS}
         table |= {"seed": np.arange(3), "success": np.array([True, False, True])}
+        table["outcome"] = np.array(["success", "buoy", "success"])
         write_episodes(home / "episodes.parquet", {(pilot, "calm"): table for pilot in ("a", "b")})
         (path,) = home.rglob(name)
         return path

@@ -183,6 +183,7 @@ def make_episodes(folder: Path) -> Path:
 
     table = {name: np.arange(3.0) for name in COLUMNS}
     table |= {"seed": np.arange(3), "success": np.array([True, False, True])}
+    table["outcome"] = np.array(["success", "buoy", "success"])
     write_episodes(folder / "episodes.parquet", {("a", "calm"): table})
     return folder / "episodes.parquet"
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.clipped import clipped
 from swamp_rl.constants import Z95
 from swamp_rl.energy import missing, pack_power, range_left
 from swamp_rl.errors import UserError
@@ -29,6 +30,7 @@ RETURN = "return"
 """Sum of an episode's rewards."""
 COLUMNS = ("seed", "success", "outcome", *COSTS)
 """What every table of episodes has; older ones have no `RETURN`."""
+TEXTS = ("pilot", "level", "outcome")
 
 
 def episode_table(rollout: Rollout, boat: Boat, step: float) -> Table:
@@ -130,7 +132,8 @@ def write_episodes(path: Path, tables: Mapping[tuple[str, str], Table]) -> None:
 
 
 def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
-    """Episodes by pilot and level, as `write_episodes` wrote them; UserError for any other file."""
+    """Episodes by pilot and level, as `write_episodes` wrote them; UserError for any other file, and for
+    columns of another type, costs that cannot be, or an episode that is there twice."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -146,10 +149,36 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
     missing = [name for name in ("pilot", "level", *COLUMNS) if name not in read.column_names]
     if missing:
         raise UserError(f"{path}: has no column {missing[0]}; it must be the episodes of an experiment")
+    for name in (*TEXTS, "seed", "success", *COSTS, *ELECTRIC, RETURN):
+        if name in columns and (fault := _fault_of(name, read[name])):
+            raise UserError(f"{path}: column {name}: {fault}; run the experiment again")
     keys = list(zip(columns.pop("pilot").tolist(), columns.pop("level").tolist(), strict=True))
     rows: dict[tuple[str, str], list[int]] = {}
     for row, key in enumerate(keys):
         rows.setdefault(key, []).append(row)
-    for name in {str(part) for key in rows for part in key}:
+    for name in {part for key in rows for part in key}:
         refuse_odd_label(path, name)
+    for (pilot, level), at in rows.items():
+        if len(np.unique(columns["seed"][at])) < len(at):
+            told = f"the episodes of {pilot} at {level} have a seed twice"
+            raise UserError(f"{path}: {told}; run the experiment again")
     return {key: {name: column[at] for name, column in columns.items()} for key, at in rows.items()}
+
+
+def _fault_of(name: str, column: Any) -> str | None:
+    """What is wrong with a column of the file, a pyarrow array; None where nothing is."""
+    import pyarrow as pa
+
+    whole = {
+        "seed": (pa.types.is_integer, "whole numbers"),
+        "success": (pa.types.is_boolean, "true or false"),
+    }
+    texts = dict.fromkeys(TEXTS, (pa.types.is_string, "text"))
+    fits, told = {**whole, **texts}.get(name, (pa.types.is_floating, "floating-point numbers"))
+    kind = column.type.value_type if pa.types.is_dictionary(column.type) else column.type
+    if not fits(kind):
+        return f"must hold {told}, not {clipped(kind)}"
+    if column.null_count:
+        return "has an empty cell"
+    costs = column.to_numpy() if name in COSTS else np.zeros(0)
+    return None if (np.isfinite(costs) & (costs >= 0.0)).all() else "must be finite, and none below 0"
