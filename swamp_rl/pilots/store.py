@@ -104,6 +104,11 @@ def _read_weights(path: Path, description: Description) -> dict[str, Array]:
         raise UserError(f"{path}: is damaged ({error}); train the pilot again") from error
     if described_arrays(weights, stored) != description.weights:
         raise UserError(f"{path}: holds other arrays than {DESCRIPTION} lists; train the pilot again")
+    for name, array in weights.items():
+        if not np.isfinite(array).all():
+            raise UserError(f"{path}: {name} holds numbers that are not finite; train the pilot again")
+        if name.split(".")[-1] == "scale" and not (array > 0.0).all():
+            raise UserError(f"{path}: {name} must be above 0, it is divided by; train the pilot again")
     return weights
 
 

@@ -20,7 +20,7 @@ from swamp_rl.pilots import Pilot, load_pilot, save_pilot
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.description import FittedOn, sealed
 from swamp_rl.pilots.gru import GRUSettings, fit_gru
-from swamp_rl.pilots.reservoir import fit_reservoir
+from swamp_rl.pilots.reservoir import ReservoirPilot, fit_reservoir
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import describe_pilot
 from swamp_rl.pilots.takeover import TakeoverPilot
@@ -110,6 +110,24 @@ def test_a_description_that_makes_no_pilot_is_told_in_one_line_that_names_it(tmp
         with pytest.raises(UserError, match=message) as told:
             load_pilot(folder)
         assert str(folder) in str(told.value) and "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "number", "told"),
+    [("W", np.nan, "W holds"), ("Wout", np.inf, "Wout holds"), ("scale", 0.0, "scale must be above 0")],
+)
+def test_weights_that_give_no_levers_are_refused_by_their_name(
+    name: str, number: float, told: str, tmp_path: Path
+) -> None:
+    class Spoilt(ReservoirPilot):
+        def weights(self) -> dict[str, np.ndarray]:
+            held = dict(super().weights())
+            return held | {name: np.full_like(held[name], number)}
+
+    pilot = fitted("reservoir")
+    save_pilot(Spoilt.build(pilot.settings(), pilot.weights()), tmp_path)
+    with pytest.raises(UserError, match=rf"weights.safetensors: {told}.*; train the pilot again"):
+        load_pilot(tmp_path)
 
 
 @pytest.fixture(scope="module")
