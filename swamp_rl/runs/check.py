@@ -151,6 +151,8 @@ def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:
         return "it looks like a pulse width in us, map it to the range, as in (pwm - 1500) / 400"
     if span.unit == "1" and span.low == 0.0 and values.min() < 0.0 and largest <= 1.0:
         return "if the thruster reverses, give it astern_linear and astern_quadratic in the boat file"
+    if span.unit in ("m", "m/s"):
+        return f"correct it, or give the column in {span.unit}"
     return "correct it, or the limits of the boat file"
 
 

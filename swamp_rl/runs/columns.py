@@ -24,17 +24,22 @@ class Span:
         return f"{'(' if self.above else '['}{self.low:.6g}, {self.high:.6g}]{unit}"
 
 
+FARTHEST = 1e8
+"""m: twice round the Earth, so that coordinates of any national grid lie within."""
+FASTEST = 1e3
+"""m/s: of no boat and no wind."""
+
 FIXED = {
     "time": Span("s"),
-    "north": Span("m"),
-    "east": Span("m"),
+    "north": Span("m", -FARTHEST, FARTHEST),
+    "east": Span("m", -FARTHEST, FARTHEST),
     "heading": Span("rad", -math.pi, math.pi, above=True),
-    "surge": Span("m/s"),
-    "sway": Span("m/s"),
+    "surge": Span("m/s", -FASTEST, FASTEST),
+    "sway": Span("m/s", -FASTEST, FASTEST),
     "yaw_rate": Span("rad/s", -math.tau, math.tau),
     "joy_thrust": Span("1", 0.0, 1.0),
     "joy_angle": Span("1", -1.0, 1.0),
-    "wind_speed": Span("m/s", 0.0),
+    "wind_speed": Span("m/s", 0.0, FASTEST),
     "wind_from": Span("rad", -math.tau, math.tau),
     "depth": Span("m", 0.0, above=True),
 }

@@ -35,6 +35,9 @@ OUT_OF_RANGE = {
     "throttle_bp": (-0.1, "outside [0, 1]"),
     "joy_angle": (-1.01, "outside [-1, 1]"),
     "yaw_rate": (30.0, "degrees"),
+    "north": (1e18, "in m"),
+    "east": (-1e300, "in m"),
+    "surge": (-2e3, "in m/s"),
 }
 
 
