@@ -7,3 +7,6 @@ DAY = 86_400.0  # s
 Z95 = 1.959964  # standard deviations of a normal distribution, within which 95 % lie
 SWAMP_LENGTH = 1.24  # m; gains and habits chosen for SWAMP serve boats of other lengths by Froude's law
 FASTEST = 3.0  # Froude number up to which a top speed is sought
+LIGHTEST_WATER, HEAVIEST_WATER = 900.0, 1300.0  # kg/m3
+FASTEST_WATER = 20.0  # m/s, of any current
+FASTEST_AIR = 200.0  # m/s, of any wind

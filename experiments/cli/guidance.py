@@ -7,10 +7,10 @@ from typing import Annotated, Any
 import typer
 from swamp_rl.experiments.cli.options import BoatOption, seed_option
 
-from swamp_rl.constants import DAY
+from swamp_rl.constants import DAY, FASTEST_WATER
 from swamp_rl.errors import UserError
 
-STRONGEST_CURRENT, STRONGEST_WIND = 20.0, 60.0  # m/s
+STRONGEST_WIND = 60.0  # m/s
 
 Out = Annotated[
     Path, typer.Option(help="The folder of the run; report, figure and JSON go to its folder analysis.")
@@ -18,9 +18,7 @@ Out = Annotated[
 Level = Annotated[
     str | None, typer.Option("--disturbances", help="A name in configs/disturbances, or a file of them.")
 ]
-Current = Annotated[
-    float, typer.Option(min=0.0, max=STRONGEST_CURRENT, help="Additional steady current (m/s).")
-]
+Current = Annotated[float, typer.Option(min=0.0, max=FASTEST_WATER, help="Additional steady current (m/s).")]
 CurrentTo = Annotated[float, typer.Option(help="Direction that the current sets to (deg from north).")]
 Wind = Annotated[float, typer.Option(min=0.0, max=STRONGEST_WIND, help="Additional steady wind (m/s).")]
 WindFrom = Annotated[float, typer.Option(help="Direction that the wind comes from (deg from north).")]
@@ -114,7 +112,7 @@ def capability(
     ] = 0.0,
     current: Annotated[
         float,
-        typer.Option(min=0.0, max=STRONGEST_CURRENT, help="Current that is present with every wind (m/s)."),
+        typer.Option(min=0.0, max=FASTEST_WATER, help="Current that is present with every wind (m/s)."),
     ] = 0.0,
     failed: Annotated[
         list[str] | None, typer.Option(help="A thruster that is out of service; may be repeated.")

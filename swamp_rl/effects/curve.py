@@ -112,6 +112,8 @@ def parse_curve(given: Mapping[str, Any], where: str) -> tuple[Curve, dict[str, 
         raise UserError(f"{where}: knots must be the two ends of the formula's range")
     wanted = len(COEFFICIENTS[formula]) if formula else len(knots)
     errors = _numbers(given, "standard_errors", where) if "standard_errors" in given else ()
+    if any(error < 0.0 for error in errors):
+        raise UserError(f"{where}: standard_errors must be at least 0")
     for name, numbers in (("values", values), ("standard_errors", errors or values)):
         if len(numbers) != wanted:
             of = f"of the formula {formula}" if formula else "as there are knots"

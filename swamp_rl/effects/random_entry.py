@@ -167,8 +167,12 @@ def _components(effect: Effect, given: dict[str, Any], where: str) -> dict[str, 
         raise UserError(
             f"{where}: {COMPONENTS} must be {{north: ..., east: ...}}, each drawn, not {in_yaml(parts)}"
         )
-    unit = effect.parameter(size).unit
-    return {name: parse_distribution(parts[name], f"{where}: {COMPONENTS}.{name} [{unit}]") for name in DISC}
+    whole = effect.parameter(size)
+    drawn = {
+        name: parse_distribution(parts[name], f"{where}: {COMPONENTS}.{name} [{whole.unit}]") for name in DISC
+    }
+    parameter_number(whole, math.hypot(*(max(map(abs, one.reach)) for one in drawn.values())), where)
+    return drawn
 
 
 def _probability(given: Any, where: str) -> float:
@@ -195,7 +199,7 @@ def _disc(effect: Effect, given: dict[str, Any], where: str) -> float:
     if not is_number(radius) or radius < 0.0:
         unit = effect.parameter(DISC[0]).unit
         raise UserError(f"{where}: disc must be a radius [{unit}] of at least 0, not {in_yaml(radius)}")
-    return float(radius)
+    return parameter_number(effect.parameter(DISC[0]), radius, f"{where}: disc")
 
 
 def _bounded(parameter: Parameter, given: Any, where: str) -> Distribution:

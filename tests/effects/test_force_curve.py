@@ -158,6 +158,7 @@ def test_a_boat_file_with_a_curve_stands_alone_and_has_a_digest_of_its_own(tmp_p
         ({"values": [1.0, float("nan")]}, "values must be a list of numbers"),
         ({"values": [1.0]}, "values must be 2 numbers, as many as there are knots"),
         ({"standard_errors": [1.0]}, "standard_errors must be 2 numbers"),
+        ({"standard_errors": [1.0, -1.0]}, "standard_errors must be at least 0"),
         ({"formula": "square"}, "unknown formula 'square'"),  # of an angle
         ({"formula": "sine", "values": [1.0]}, "values must be 2 numbers, as many of the formula sine"),
         ({"thruster": "bs"}, "thruster must be one of them"),

@@ -2,6 +2,7 @@
 
 import math
 
+from swamp_rl.constants import FASTEST_AIR, FASTEST_WATER
 from swamp_rl.effects.declare import FULL_TURN, Parameter, declare
 from swamp_rl.effects.limits import RADIANS
 from swamp_rl.effects.search import Search
@@ -13,8 +14,8 @@ PUSH = Search(0.0205, -0.615, 0.615, (0.0,), "thrust")
 
 declare(
     "current",
-    Parameter("north", "m/s", 0.0, "current_north", search=STREAM),
-    Parameter("east", "m/s", 0.0, "current_east", search=STREAM),
+    Parameter("north", "m/s", 0.0, "current_north", -FASTEST_WATER, FASTEST_WATER, search=STREAM),
+    Parameter("east", "m/s", 0.0, "current_east", -FASTEST_WATER, FASTEST_WATER, search=STREAM),
     acts_on="force",
     combine="add",
     description="the water moves, uniformly and steadily, towards north and east",
@@ -25,8 +26,8 @@ declare(
 
 declare(
     "drifting_current",
-    Parameter("north", "m/s", 0.0, "current_north", search=STREAM),
-    Parameter("east", "m/s", 0.0, "current_east", search=STREAM),
+    Parameter("north", "m/s", 0.0, "current_north", -FASTEST_WATER, FASTEST_WATER, search=STREAM),
+    Parameter("east", "m/s", 0.0, "current_east", -FASTEST_WATER, FASTEST_WATER, search=STREAM),
     Parameter(
         "north_rate",
         "m/s2",
@@ -56,6 +57,7 @@ declare(
         0.0,
         "wind_speed",
         low=0.0,
+        high=FASTEST_AIR,
         required=True,
         search=Search(1.44, -14.4, 14.4, (0.866, 2.17, 5.05), "speed"),
     ),
@@ -81,7 +83,7 @@ declare(
 
 declare(
     "gusts",
-    Parameter("speed_std", "m/s", 0.0, "gust_speed_std", low=0.0),
+    Parameter("speed_std", "m/s", 0.0, "gust_speed_std", low=0.0, high=FASTEST_AIR),
     Parameter("direction_std", "rad", 0.0, "gust_direction_std", low=0.0, high=math.pi, limit="radians"),
     Parameter("time_constant", "s", 5.0, "gust_time_constant", low=0.0, above_low=True),
     acts_on="force",
