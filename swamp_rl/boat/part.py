@@ -7,6 +7,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from pydantic_core import PydanticCustomError
 
 from swamp_rl.clipped import clipped
+from swamp_rl.constants import HEAVIEST_WATER, LIGHTEST_WATER
 
 
 def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -18,6 +19,7 @@ def _filled(given: tuple[Any, ...]) -> tuple[Any, ...]:
 
 FILLED = AfterValidator(_filled)
 POSITIVE, NOT_NEGATIVE, NOT_POSITIVE = Field(gt=0), Field(ge=0), Field(le=0)
+WATER = Field(ge=LIGHTEST_WATER, le=HEAVIEST_WATER)
 FRACTION, BELOW_ONE = Field(ge=0, le=1), Field(lt=1)
 ANGLE = Field(ge=-2 * math.pi, le=2 * math.pi)
 FROM_LIST = Field(strict=False)  # YAML has lists, a frozen model holds tuples

@@ -18,10 +18,11 @@ from swamp_rl.boat.quantity import units
 from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.boat.schema import Boat, Thruster
 from swamp_rl.boat.screw import Screw
-from swamp_rl.constants import GRAVITY
+from swamp_rl.constants import GRAVITY, HEAVIEST_WATER, LIGHTEST_WATER
 
 POWERS: dict[type, str] = {PowerCurve: "coefficient", PowerTable: "power", ShaftPower: "efficiency"}
 UNITS = {"breadth": "m", "draught": "m", "mass": "kg", "water_density": "kg/m3"}
+WATER = (LIGHTEST_WATER / 1000.0, HEAVIEST_WATER / 1000.0)
 HULL = ("x_vr", "y_v", "y_r", "n_v", "n_r", "c_d", "c_ry", "c_rn")
 
 
@@ -81,7 +82,7 @@ def mass_and_water(boat: Boat | Sizes) -> Iterator[Limit]:
     """Of the mass and the water that it displaces."""
     density = boat.water_density
     block = boat.mass / (density * boat.length * boat.breadth * boat.draught)
-    yield Limit("water_density", density, density / 1000.0, "water_density / 1000 kg/m3", 0.9, 1.3)
+    yield Limit("water_density", density, density / 1000.0, "water_density / 1000 kg/m3", *WATER)
     what = "mass / (water_density length breadth draught)"
     yield Limit("mass", boat.mass, block, what, 0.02, 1.0)
 

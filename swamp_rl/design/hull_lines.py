@@ -20,7 +20,7 @@ from numpy.polynomial.legendre import leggauss
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, model_validator
 
-from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, Part
+from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, NOT_NEGATIVE, POSITIVE, WATER, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.design.read import read_design
 
@@ -72,7 +72,7 @@ class HullDesign(Part):
     "1, or 2 side by side."
     spacing: Annotated[float, NOT_NEGATIVE, Unit("m")]
     "S: between the centre planes of two demihulls; 0 for one."
-    water_density: Annotated[float, POSITIVE, Unit("kg/m3")]
+    water_density: Annotated[float, WATER, Unit("kg/m3")]
     "Density of the water."
     conditions: Annotated[tuple[Condition, ...], FROM_LIST, FILLED, Field(max_length=MOST_CONDITIONS)]
     "The first one is what the boat file is written for."
@@ -87,6 +87,9 @@ class HullDesign(Part):
             raise ValueError("spacing must be at least breadth, or the demihulls overlap")
         if self.demihulls == 1 and self.spacing != 0.0:
             raise ValueError("spacing must be 0 for one hull")
+        for name in ("depth", "spacing"):
+            if getattr(self, name) > self.length:
+                raise ValueError(f"{name} must be at most the length, {self.length:g} m")
         names = [condition.name for condition in self.conditions]
         if len(set(names)) < len(names):
             raise ValueError(f"conditions: names must differ, but are {', '.join(names)}")

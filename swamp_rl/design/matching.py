@@ -19,7 +19,7 @@ from pydantic import Field, model_validator
 from scipy.optimize import minimize_scalar
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, POSITIVE, Part
+from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, POSITIVE, WATER, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.design.read import computable, read_design
@@ -38,9 +38,9 @@ class Vehicle(Part):
 
     boat: Annotated[str, Field(min_length=1)] | None = None
     "A name in configs/boats, or a boat file; or give the next two."
-    drag_coefficient: Annotated[float | None, POSITIVE, Unit("1")] = None
+    drag_coefficient: Annotated[float | None, POSITIVE, Field(le=10), Unit("1")] = None
     "C_DX on the frontal area (1)."
-    diameter: Annotated[float | None, POSITIVE, Unit("m")] = None
+    diameter: Annotated[float | None, POSITIVE, Field(le=100), Unit("m")] = None
     "D: of the body."
 
     @model_validator(mode="after")
@@ -67,7 +67,7 @@ class Propellers(Part):
 
     count: Annotated[int, Field(ge=1, le=100)]
     "n_prop."
-    diameter: Annotated[float, POSITIVE, Unit("m")]
+    diameter: Annotated[float, POSITIVE, Field(le=20), Unit("m")]
     "d."
     hull_efficiency: Annotated[float, SHARE, Unit("1")]
     "K_h: share of the thrust that the hull's flow leaves."
@@ -84,13 +84,13 @@ class MatchDesign(Part):
     "Kind of design."
     name: Annotated[str, Field(min_length=1)]
     "Name in tables; the file's by default."
-    water_density: Annotated[float | None, POSITIVE, Unit("kg/m3")] = None
+    water_density: Annotated[float | None, WATER, Unit("kg/m3")] = None
     "Density of the water; a boat's file has its own."
     vehicle: Vehicle
     "Vehicle to be propelled."
     propellers: Propellers
     "Propellers."
-    design_speed: Annotated[float, POSITIVE, Unit("m/s")]
+    design_speed: Annotated[float, POSITIVE, Field(le=50), Unit("m/s")]
     "Speed of the revolutions and thrust that are reported."
     efficiency: Annotated[float, SHARE, Unit("1")]
     "η: drag times speed over electric power."

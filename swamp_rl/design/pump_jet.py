@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from swamp_rl.boat.part import NOT_NEGATIVE, POSITIVE, Part
+from swamp_rl.boat.part import NOT_NEGATIVE, POSITIVE, WATER, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.constants import FOOT, GRAVITY
 from swamp_rl.design.read import read_design
@@ -21,6 +21,8 @@ from swamp_rl.errors import UserError
 GALLON_PER_MINUTE = 3.785411784e-3 / 60.0  # m3/s
 MINUTE = 60.0  # s
 OUTLET_ANGLES = math.radians(15.0), math.radians(35.0)  # vane angles that keep the efficiency, 5.3.1
+
+FASTEST_VANE = 1000.0  # m/s, well below the speed of sound in water
 
 SHARE = Field(gt=0, le=1)
 RATIO = Field(gt=0, le=10)
@@ -37,7 +39,7 @@ class PumpJetDesign(Part):
     "T: ahead, at rest, at full revolutions."
     revolutions: Annotated[float, POSITIVE, Unit("1/s")]
     "n: full revolutions of the impeller."
-    water_density: Annotated[float, POSITIVE, Unit("kg/m3")]
+    water_density: Annotated[float, WATER, Unit("kg/m3")]
     "Density of the water."
     module_diameter: Annotated[float, POSITIVE, Unit("m")]
     "D_p: of the module, which all lengths are scaled by."
@@ -224,6 +226,11 @@ def design_pump_jet(design: PumpJetDesign) -> PumpJet:
         raise UserError(
             f"{design.name}: inlet_whirl {design.inlet_whirl:g} m/s is not below the vane's "
             f"{turning * radii[0]:.3g} m/s; lower it or raise revolutions"
+        )
+    if turning * radii[1] > FASTEST_VANE:
+        raise UserError(
+            f"{design.name}: the vane moves at {turning * radii[1]:.3g} m/s, at most {FASTEST_VANE:g}; "
+            "lower revolutions or module_diameter"
         )
     # Euler's equation with (5.23): g H_p = u_2 c_u2 − u_1 c_u1
     whirl = (GRAVITY * head + turning * radii[0] * design.inlet_whirl) / (turning * radii[1])
