@@ -1,5 +1,6 @@
 """A pilot that drives from its ONNX file, by onnxruntime with one thread."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,9 @@ from swamp_rl.own_code import refuse_unnamed
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.seal import sealed_file
 
+LEVERS = "levers"
+LARGEST = 10**6  # numbers of a state
+FATAL = 4  # all else that onnxruntime has to say is in its exceptions
 TYPES = {"tensor(double)": np.float64, "tensor(float)": np.float32, "tensor(int64)": np.int64}
 
 
@@ -26,18 +30,23 @@ class OnnxPilot:
         self._path, self._session = path, _session(path)
         known = self._session.get_modelmeta().custom_metadata_map
         inputs = {given.name: given for given in self._session.get_inputs()}
-        if not {"kind", "senses"} <= set(known) or "observation" not in inputs:
+        self._states = [given for name, given in inputs.items() if name.startswith(STATE)]
+        self._outputs = [given.name for given in self._session.get_outputs()]
+        after = {LEVERS, *(_next(state.name) for state in self._states)}
+        whole = {"kind", "senses"} <= set(known) and "observation" in inputs and after <= set(self._outputs)
+        if not whole or not all(map(_can_begin, self._states)):
             raise UserError(f"{path}: is not the step of a pilot; name a file written by swamp-rl export")
         self.kind: str = known["kind"]
         try:
-            self.senses = tuple(parsed_json(known["senses"]))
-        except (TypeError, ValueError) as error:
-            raise UserError(f"{path}: does not name its observations; export the pilot again") from error
+            senses = parsed_json(known["senses"])
+        except ValueError:
+            senses = None
+        if not isinstance(senses, list) or not all(isinstance(name, str) for name in senses):
+            raise UserError(f"{path}: does not name its observations; export the pilot again")
+        self.senses = tuple(senses)
         refuse_unnamed(self.senses, f"{path}: the pilot observes")
         self.wants_first = FIRST_LEVERS in inputs
         "Whether the levers of whoever drives first are to be given."
-        self._states = [given for name, given in inputs.items() if name.startswith(STATE)]
-        self._outputs = [given.name for given in self._session.get_outputs()]
         self.reset(0)
 
     def reset(self, n: int) -> None:
@@ -65,8 +74,22 @@ class OnnxPilot:
         except Exception as error:  # onnxruntime's own errors have no common base
             first = clipped(str(error).splitlines()[0], 300)
             raise UserError(f"{self._path}: cannot be computed ({first}); export the pilot again") from error
-        self._kept = {name: out[NEXT + name.removeprefix(STATE)] for name in self._kept}
-        return out["levers"]
+        self._kept = {name: out[_next(name)] for name in self._kept}
+        levers = out[LEVERS]
+        if np.shape(levers) != (len(observation), 2) or not np.isfinite(levers).all():
+            raise UserError(f"{self._path}: does not compute two levers of each boat; export the pilot again")
+        return levers
+
+
+def _next(state: str) -> str:
+    """The name of the output that is the state's next value."""
+    return NEXT + state.removeprefix(STATE)
+
+
+def _can_begin(state: Any) -> bool:
+    """Whether zeros of the state's type and shape can be made, but for the number of boats."""
+    sizes = state.shape[1:]
+    return state.type in TYPES and all(isinstance(n, int) for n in sizes) and math.prod(sizes) <= LARGEST
 
 
 def _session(path: Path | str) -> Any:
@@ -75,6 +98,7 @@ def _session(path: Path | str) -> Any:
     except ImportError as error:
         raise missing("ONNX pilots need onnxruntime", "onnx") from error
     options = onnxruntime.SessionOptions()
+    options.log_severity_level = FATAL
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     content = sealed_file(path, "export the pilot again")
     try:

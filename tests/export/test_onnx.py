@@ -1,7 +1,9 @@
 """A pilot's step in an ONNX runtime is its step in NumPy."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnx
@@ -130,3 +132,81 @@ def test_a_file_that_is_no_exported_pilot_is_refused(tmp_path: Path) -> None:
     path.write_bytes(sealed(model.SerializeToString()))
     with pytest.raises(UserError, match="is not the step of a pilot"):
         OnnxPilot(path)
+
+
+def changed(path: Path, change: Callable[[onnx.ModelProto], None]) -> str:
+    """What is said of a file whose model was changed and sealed again, and of its step; empty for nothing."""
+    write_onnx(gru(np.random.default_rng(0), 4), path)
+    model = onnx.load(path)
+    change(model)
+    (seal,) = (entry for entry in model.metadata_props if entry.key == KEY)
+    seal.value = BLANK
+    path.write_bytes(sealed(model.SerializeToString()))
+    try:
+        pilot = OnnxPilot(path)
+        pilot.reset(2)
+        pilot.act(np.zeros((2, len(pilot.senses))))
+    except UserError as error:
+        return str(error)
+    return ""
+
+
+def without_output(name: str) -> Callable[[onnx.ModelProto], None]:
+    def change(model: onnx.ModelProto) -> None:
+        kept = [one for one in model.graph.output if one.name != name]
+        del model.graph.output[:]
+        model.graph.output.extend(kept)
+
+    return change
+
+
+def with_state_of(size: Any) -> Callable[[onnx.ModelProto], None]:
+    def change(model: onnx.ModelProto) -> None:
+        (state,) = (one for one in model.graph.input if one.name.startswith("state_"))
+        dimension = state.type.tensor_type.shape.dim[1]
+        dimension.Clear()
+        setattr(dimension, "dim_param" if isinstance(size, str) else "dim_value", size)
+
+    return change
+
+
+def with_senses(text: str) -> Callable[[onnx.ModelProto], None]:
+    def change(model: onnx.ModelProto) -> None:
+        next(entry for entry in model.metadata_props if entry.key == "senses").value = text
+
+    return change
+
+
+def without_numbers(model: onnx.ModelProto) -> None:
+    """Every constant that is a floating-point number becomes NaN."""
+    for held in model.graph.initializer:
+        array = onnx.numpy_helper.to_array(held)
+        if array.dtype.kind == "f":
+            held.CopyFrom(onnx.numpy_helper.from_array(np.full_like(array, np.nan), held.name))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda model: None, ""),
+        (without_output("levers"), "is not the step of a pilot"),
+        (without_output("next_memory"), "is not the step of a pilot"),
+        (with_state_of("any"), "is not the step of a pilot"),
+        (with_state_of(-1), "is not the step of a pilot"),
+        (with_state_of(10**12), "is not an ONNX model"),
+        (without_numbers, "does not compute two levers of each boat"),
+        *(
+            (with_senses(text), "does not name its observations")
+            for text in ("1", "{}", "[1]", "[null]", "x")
+        ),
+    ],
+)
+def test_a_changed_model_is_refused_in_one_line_and_the_runtime_says_nothing(
+    change: Callable[[onnx.ModelProto], None],
+    told: str,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    said = changed(tmp_path / "pilot.onnx", change)
+    assert told in said and bool(told) == bool(said) and said.isprintable()
+    assert capfd.readouterr() == ("", "")
