@@ -75,6 +75,15 @@ class Study:
         return stages
 
 
+def study_of(path: Path, boat: str) -> Study:
+    """The figures file at a path with a boat, by name or file, at its loads; UserError, a line a fault."""
+    found = read_figures(path, load_boat(boat))
+    try:
+        return Study(found, fleet_of(boat, found))
+    except UserError as error:  # the boat itself was read: it is a load or the water
+        raise UserError("\n".join(f"{path}: {line}" for line in str(error).split("\n"))) from error
+
+
 def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None) -> FiguresDiagnosis:
     """Diagnose a boat file against the printed figures of a YAML file; writes diagnosis.json,
     extended_boat.yaml and report.html into `out`.
@@ -87,12 +96,12 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
     began = time.perf_counter()
     model = load_boat(boat)
     refuse_sources_inside(out, [one for one in (path, Path(boat)) if one.exists()])
-    found = read_figures(path, model)
+    study = study_of(path, boat)
+    found = study.found
     faults = group_faults(found, fit or ())
     if faults:
         raise UserError("\n".join(f"--fit: {fault.removeprefix('fit: ')}" for fault in faults))
     with folder_beside(out, RESULT) as folder:
-        study = Study(found, fleet_of(boat, found))
         diagnosis, last = examine(study, fit or found.fit)
         diagnosis.elapsed_s = time.perf_counter() - began
         write_extended(folder, boat, last.hypothesis, last.x)

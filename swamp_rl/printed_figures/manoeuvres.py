@@ -295,6 +295,7 @@ KEYS = {  # what a figure of a manoeuvre must say of its commands
     "zig-zag": {"throttle", "angle_deg"},
     "yaw-model": {"throttle"},
 }
+NEEDED = {"one_minus_t": {"throttle"}}  # what a figure must say besides, which is a share of the thrust
 OPTIONAL = {  # and what it may
     "bollard": {"thrusters"},
     "towed": {"throttle", "thrusters", "depth_over_draught"},

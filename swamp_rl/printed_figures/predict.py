@@ -12,6 +12,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 from swamp_rl.effects import EffectEntry, apply_effects
+from swamp_rl.errors import UserError
 from swamp_rl.printed_figures.manoeuvres import READERS, Loaded, Test
 from swamp_rl.printed_figures.schema import Figure, FiguresFile, Load
 
@@ -30,8 +31,18 @@ def fleet_of(boat: str, found: FiguresFile) -> Fleet:
     """The boat of that name or file at the loads that the figures ask for."""
     loads = {load.mass: load for load in found.loads}
     asked = dict.fromkeys((figure.mass, figure.water_density) for figure in found.figures)
-    boats = {key: load_boat(boat, _replaced(loads.get(key[0]), key[1])) for key in asked}
+    boats = {key: _loaded(boat, loads.get(key[0]), *key) for key in asked}
     return Fleet(load_boat(boat), {key: Loaded(one) for key, one in boats.items()})
+
+
+def _loaded(boat: str, load: Load | None, mass: float, density: float | None) -> Boat:
+    """The boat with the load in that water; UserError where there is no such boat."""
+    try:
+        return load_boat(boat, _replaced(load, density))
+    except UserError as error:
+        water = "" if density is None else f" in water of {density:g} kg/m3"
+        lines = str(error).split("\n")
+        raise UserError("\n".join(f"the boat at {mass:g} kg{water}: {line}" for line in lines)) from error
 
 
 def _replaced(load: Load | None, density: float | None) -> dict[str, Any]:

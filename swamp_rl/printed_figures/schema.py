@@ -12,14 +12,17 @@ from swamp_rl.effects import LIBRARY
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
 from swamp_rl.files import read_yaml
-from swamp_rl.printed_figures.manoeuvres import FIGURES, KEYS, OPTIONAL
+from swamp_rl.printed_figures.manoeuvres import FIGURES, KEYS, NEEDED, OPTIONAL
 
 Positive = Annotated[float, Field(gt=0.0, le=1e6)]
+Value = Annotated[float, Field(ge=-1e9, le=1e9)]
+Error = Annotated[float, Field(ge=1e-9, le=1e6)]
 Text = Annotated[str, Field(min_length=1)]
 Names = Annotated[tuple[str, ...], FROM_LIST]
 COMMON = {"group", "manoeuvre", "mass", "figure", "value", "error", "source", "reading", "limit"}
 COMMON |= {"alternative", "water_density"}
 MOST = 500  # figures in a file
+LEAST_ANGLE = 1.0  # deg
 
 
 class Figure(Part):
@@ -37,18 +40,18 @@ class Figure(Part):
     manoeuvre: str
     mass: Positive
     figure: str
-    value: float
-    error: Positive
+    value: Value
+    error: Error
     source: Text
     reading: str = ""
     limit: Literal["at_least", "at_most"] | None = None
     alternative: bool = False
     water_density: Positive | None = None
-    throttle: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    throttle: Annotated[float, Field(ge=0.01, le=1.0)] | None = None
     thrusters: Names = ()
     speed: Annotated[float, Field(ge=0.0, le=30.0)] | None = None
     angle_deg: Annotated[float, Field(ge=-90.0, le=90.0)] | None = None
-    depth_over_draught: Annotated[float, Field(ge=1.5)] | None = None
+    depth_over_draught: Annotated[float, Field(ge=1.5, le=1e6)] | None = None
 
     @property
     def unit(self) -> str:
@@ -92,8 +95,8 @@ class Particular(Part):
 
     effect: str
     parameter: str
-    value: float
-    error: Positive
+    value: Value
+    error: Error
     source: Text
 
 
@@ -147,7 +150,8 @@ def read_figures(path: Path, boat: Boat) -> FiguresFile:
 
 def _parts(data: Mapping[str, Any], key: str, model: type[Part], faults: list[str]) -> Numbered:
     """The entries of a list of the file that are sound, counted from 1; its faults are added to `faults`."""
-    given = data.get(key) or []
+    given = data.get(key)
+    given = [] if given is None else given
     if not isinstance(given, list) or len(given) > MOST or (key == "figures" and not given):
         faults.append(
             f"{key}: must be a list of {'1 to ' if key == 'figures' else 'at most '}{MOST} mappings"
@@ -197,9 +201,12 @@ def _faults_of(figure: Figure, loads: Sequence[float], boat: Boat) -> list[str]:
         return [f"unknown manoeuvre {kind!r}{nearest(kind, KEYS)}"]
     if figure.figure not in FIGURES[kind]:
         faults.append(f"{kind} has no such figure{nearest(figure.figure, FIGURES[kind])}")
+    needed = KEYS[kind] | NEEDED.get(figure.figure, set())
     alien = sorted(figure.model_fields_set - COMMON - KEYS[kind] - OPTIONAL[kind])
     faults += [f"{key}: {kind} has no such key; drop it" for key in alien]
-    faults += [f"{key} is missing; add it" for key in sorted(KEYS[kind]) if getattr(figure, key) is None]
+    faults += [f"{key} is missing; add it" for key in sorted(needed) if getattr(figure, key) is None]
+    if figure.angle_deg is not None and abs(figure.angle_deg) < LEAST_ANGLE:
+        faults.append(f"angle_deg: must be at least {LEAST_ANGLE:g} deg to either side")
     if figure.mass not in (*loads, boat.mass):
         known = ", ".join(f"{mass:g}" for mass in sorted({*loads, boat.mass}))
         faults.append(

@@ -271,7 +271,7 @@ FAULTY: dict[str, tuple[Entry, str]] = {
     "unknown manoeuvre": (GOOD | {"manoeuvre": "bolard"}, "did you mean 'bollard'"),
     "unknown figure": (GOOD | {"figure": "push"}, "no such figure"),
     "missing error": ({k: v for k, v in GOOD.items() if k != "error"}, "error: is missing; add it"),
-    "an error of nothing": (GOOD | {"error": 0.0}, "error: must be greater than 0"),
+    "an error of nothing": (GOOD | {"error": 0.0}, "error: must be at least 1e-09, not 0.0"),
     "no number": (GOOD | {"value": math.nan}, "value: must be a finite number"),
     "given twice": (GOOD | {"value": 18.0}, "the same figure of the same test as figures 1"),
     "unknown mass": (GOOD | {"mass": 50.0}, "mass 50 kg is neither"),
