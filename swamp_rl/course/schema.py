@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from swamp_rl.constants import DAY
+from swamp_rl.constants import DAY, FASTEST_BOAT, LONGEST_BOAT, SHORTEST_BOAT, SLOWEST_BOAT
 from swamp_rl.errors import UserError
 from swamp_rl.files import extended_config, find_config, read_yaml, validated
 
@@ -141,8 +141,8 @@ class Course(_Strict):
     bounds: Bounds
     buoy_radius: Positive
     time_limit: Seconds
-    boat_length: Positive | None = None
-    boat_speed: Positive | None = None
+    boat_length: Annotated[float, Field(ge=SHORTEST_BOAT, le=LONGEST_BOAT)] | None = None
+    boat_speed: Annotated[float, Field(ge=SLOWEST_BOAT, le=FASTEST_BOAT)] | None = None
     depth: Depth | None = None
 
     @model_validator(mode="after")

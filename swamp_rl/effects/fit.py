@@ -3,9 +3,18 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
+from swamp_rl.constants import (
+    FASTEST_BOAT,
+    HEAVIEST_BOAT,
+    LIGHTEST_BOAT,
+    LONGEST_BOAT,
+    SHORTEST_BOAT,
+    SLOWEST_BOAT,
+)
 from swamp_rl.effects.declare import LIBRARY
 from swamp_rl.effects.entries import ALL, is_number
 from swamp_rl.errors import UserError
+from swamp_rl.explain import in_yaml
 
 KEY = "boat"
 POWERS = {"m": (1, 0, 0), "m/s": (0, 1, 0), "s": (1, -1, 0), "kg": (0, 0, 1)}
@@ -18,6 +27,10 @@ class Size(NamedTuple):
     length: float
     speed: float
     mass: float
+
+
+SMALLEST = Size(SHORTEST_BOAT, SLOWEST_BOAT, LIGHTEST_BOAT)
+LARGEST = Size(LONGEST_BOAT, FASTEST_BOAT, HEAVIEST_BOAT)
 
 
 def fitted_level(
@@ -51,9 +64,13 @@ def fitted_level(
 def _size(given: Any, where: str) -> Size:
     keys = Size._fields
     good = isinstance(given, Mapping) and set(given) == set(keys) and all(map(is_number, given.values()))
-    if not good or min(given.values()) <= 0.0:
+    if not good:
         raise UserError(f"{where}: {KEY} must be {{length: m, speed: m/s, mass: kg}}, each above 0")
-    return Size(*(float(given[key]) for key in keys))
+    found = Size(*(float(given[key]) for key in keys))
+    for key, value, low, high in zip(keys, found, SMALLEST, LARGEST, strict=True):
+        if not low <= value <= high:
+            raise UserError(f"{where}: {KEY}.{key} must be {low:g} to {high:g}, not {in_yaml(given[key])}")
+    return found
 
 
 def _with_known(entry: Any, names: Sequence[str]) -> Any:

@@ -8,8 +8,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from swamp_rl.boat.likeness import Build
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.explain import validated
+from swamp_rl.explain import in_yaml, validated
 from swamp_rl.pilots.arrays import Array
 
 VERSION = 2
@@ -106,7 +107,7 @@ def unsealed(path: Path, stored: bytes) -> Description:
     if not isinstance(data, dict) or "kind" not in data:
         raise UserError(f"{path}: does not describe a pilot; name a folder that holds one")
     if data.get("version") != VERSION:
-        said = repr(data.get("version", 1))[:20]
+        said = clipped(in_yaml(data.get("version", 1)), 20)
         raise UserError(f"{path}: is of format {said}, this reads format {VERSION}; train the pilot again")
     seal = data.pop("sha256", None)
     if not whole or seal != _digest(data):

@@ -4,12 +4,13 @@ Full throttle most of the time, steering at zero or at its ends, a reaction dela
 and a share of messy runs. Its runs are marked `scripted`.
 """
 
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from pydantic import Field
 
 from swamp_rl.angles import wrapped_below
-from swamp_rl.constants import SWAMP_LENGTH
+from swamp_rl.constants import LONGEST_BOAT, SHORTEST_BOAT, SWAMP_LENGTH
 from swamp_rl.pilots.arrays import Array, checked
 from swamp_rl.pilots.demonstrations import GATE, MOTION
 from swamp_rl.pilots.settings import NotNegative, Positive, Range, Settings, Share
@@ -50,7 +51,7 @@ class Habits(Settings):
     "Share of messy runs: slower reactions and many wrong guesses."
     messy_reaction: Range = (0.3, 0.5)
     messy_guess_interval: Positive = 5.0
-    boat_length: Positive = SWAMP_LENGTH
+    boat_length: Annotated[float, Field(ge=SHORTEST_BOAT, le=LONGEST_BOAT)] = SWAMP_LENGTH
     "Length of the boat: distances and times of turning are those of SWAMP, scaled by Froude's law."
 
 

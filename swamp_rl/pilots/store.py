@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.own_code import is_code, refuse_unnamed
@@ -22,6 +23,7 @@ from swamp_rl.pilots.own import OwnPilot, own_kinds
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.reservoir import ReservoirPilot
 from swamp_rl.pilots.scripted import ScriptedPilot
+from swamp_rl.pilots.stored_settings import refuse_odd_settings
 from swamp_rl.pilots.takeover import TakeoverPilot
 from swamp_rl.tensors_file import tensors_in
 from swamp_rl.unfinished import folder_beside
@@ -113,6 +115,7 @@ def _read_weights(path: Path, description: Description) -> dict[str, Array]:
 
 
 def _build(kind: str, settings: dict[str, Any], weights: dict[str, Array]) -> Pilot:
+    refuse_odd_settings(kind, settings)
     if kind == TakeoverPilot.kind:
         first, then = (
             _build(settings[name]["kind"], settings[name]["settings"], owned(name, weights))
@@ -124,7 +127,7 @@ def _build(kind: str, settings: dict[str, Any], weights: dict[str, Array]) -> Pi
             raise ValueError(f"its settings are of the kind {settings['kind']!r}, not {kind!r}")
         return OwnPilot.build(settings, weights)
     if kind not in KINDS:
-        raise ValueError(f"kind {kind!r} is none of {', '.join(KINDS)}, {TakeoverPilot.kind}")
+        raise ValueError(f"kind {clipped(kind)!r} is none of {', '.join(KINDS)}, {TakeoverPilot.kind}")
     return KINDS[kind].build(settings, weights)
 
 

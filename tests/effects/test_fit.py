@@ -58,9 +58,18 @@ def test_a_level_that_names_no_boat_is_refused_where_a_thruster_is_lacking(tmp_p
         load_disturbances(path, ("main",), LARGE)
 
 
-@pytest.mark.parametrize("boat", ["swamp", "{length: 1.2}", "{length: 0, speed: 1, mass: 1}"])
-def test_a_boat_that_is_no_size_is_refused(tmp_path: Path, boat: str) -> None:
+@pytest.mark.parametrize(
+    ("boat", "told"),
+    [
+        ("swamp", "boat must be {length"),
+        ("{length: 1.2}", "boat must be {length"),
+        ("{length: 0, speed: 1, mass: 1}", "boat.length must be 0.01 to 1000, not 0"),
+        ("{length: 1, speed: 1e-320, mass: 1}", "boat.speed must be 0.01 to 100, not 1e-320"),
+        ("{length: 1, speed: 1, mass: 1e300}", r"boat.mass must be 0.001 to 1e\+09, not 1e\+300"),
+    ],
+)
+def test_a_boat_that_is_no_size_is_refused(tmp_path: Path, boat: str, told: str) -> None:
     path = tmp_path / "own.yaml"
     path.write_text(f"boat: {boat}\n")
-    with pytest.raises(UserError, match=r"own\.yaml: boat must be"):
+    with pytest.raises(UserError, match=rf"own\.yaml: {told}"):
         load_disturbances(path, NAMES, SWAMP)

@@ -97,11 +97,14 @@ def test_a_description_that_makes_no_pilot_is_told_in_one_line_that_names_it(tmp
     bare = {"kind": "ppo", "senses": [], "hold": 1}
     spoilt: dict[str, dict[str, Any]] = {
         "'autopilot' is none of": {"kind": "autopilot"},
-        "'senses' is missing": {"settings": {}},
+        "settings: senses: is missing": {"settings": {}},
         "centre has the shape": {"settings": {"senses": SENSES[1:]}},
         "two outputs": {"kind": "ppo", "settings": bare},
         "differ in the observation": {"senses": ("north",)},
-        "string indices": {"kind": "takeover", "settings": {"first": "reservoir", "then": "ppo"}},
+        "settings: first: must be a mapping": {
+            "kind": "takeover",
+            "settings": {"first": "reservoir", "then": "ppo"},
+        },
     }
     for number, (message, changes) in enumerate(spoilt.items()):
         folder = tmp_path / f"pilot-{number}"
