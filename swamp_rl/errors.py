@@ -1,5 +1,9 @@
 """The one exception whose message is meant for the person at the keyboard."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
 from swamp_rl.clipped import clipped
 
 LONGEST = 2000
@@ -14,3 +18,12 @@ class UserError(Exception):
 
     def __init__(self, told: str) -> None:
         super().__init__("\n".join(clipped(line, LONGEST) for line in told.split("\n")))
+
+
+@contextmanager
+def told_of(where: Path | str) -> Iterator[None]:
+    """Put `where`, a file and its key, before each line of a UserError that the block raises."""
+    try:
+        yield
+    except UserError as error:
+        raise UserError("\n".join(f"{where}: {line}" for line in str(error).split("\n"))) from error

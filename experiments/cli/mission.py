@@ -1,5 +1,6 @@
 """`swamp-rl mission`: simulated mission legs, with power, current and charge."""
 
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -23,12 +24,15 @@ def mission(
     from swamp_rl.boat import load_boat
     from swamp_rl.energy.fly import fly
     from swamp_rl.energy.mission import load_mission
+    from swamp_rl.errors import told_of
     from swamp_rl.replacement import refuse_to_replace
 
     asked, path = load_mission(file)
     if out is not None:
         refuse_to_replace(out, ("mission.json",))
-    flight = fly(load_boat(boat or asked.boat), asked, path, even_if_empty)
+    with told_of(f"{path}: boat") if boat is None else nullcontext():
+        sailed = load_boat(boat or asked.boat)
+    flight = fly(sailed, asked, path, even_if_empty)
     for line in lines(flight):
         typer.echo(line)
     if out is not None:

@@ -202,9 +202,14 @@ def plan(
     boat: Annotated[str | None, typer.Option("--boat", help="Boat to use in place of the plan's.")] = None,
 ) -> None:
     """Execute every manoeuvre of a plan file."""
+    from swamp_rl.boat import load_boat
+    from swamp_rl.errors import told_of
     from swamp_rl.manoeuvres.plan import load_plan
 
     asked = load_plan(file)
+    if boat is None:
+        with told_of(f"{file}: boat"):
+            load_boat(asked.boat)
     _execute(asked if boat is None else asked.model_copy(update={"boat": boat}), out)
 
 

@@ -18,7 +18,7 @@ from swamp_rl.experiments.config.smoke import shrunk
 from swamp_rl import own_code
 from swamp_rl.boat import Boat
 from swamp_rl.clipped import clipped
-from swamp_rl.errors import UserError
+from swamp_rl.errors import UserError, told_of
 from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, is_file, or_beside, read_yaml, validated
 from swamp_rl.own_code import is_code
@@ -176,10 +176,8 @@ def _base_of(path: Path, base: str) -> Path:
     beside = path.parent / base
     if beside.suffix in (".yaml", ".yml") and beside.is_file():
         return beside
-    try:
+    with told_of(f"{path}: extends"):
         return find_config("experiments", base)
-    except UserError as error:
-        raise UserError(f"{path}: extends: {error}") from error
 
 
 def _find_beside(path: Path, data: dict[str, Any]) -> None:

@@ -98,8 +98,9 @@ def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
     """A diagnosis of runs, or of printed figures, which has stages."""
     try:
         text = contents(path, MOST_JSON)
-        model = FiguresDiagnosis if b'"stages"' in text else Diagnosis
-        return model_in(text, model)
+        model: type[Any] = FiguresDiagnosis if b'"stages"' in text else Diagnosis
+        found: Diagnosis | FiguresDiagnosis = model_in(text, model)
+        return found
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; {REMEDY}") from error
     except ValidationError as error:

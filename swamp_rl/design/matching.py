@@ -23,7 +23,7 @@ from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, POSITIVE, WATER, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.design.read import computable, read_design
-from swamp_rl.errors import UserError
+from swamp_rl.errors import UserError, told_of
 from swamp_rl.manoeuvres.captive import resistance_at
 
 Advance = TypeVar("Advance", float, NDArray[np.float64])
@@ -168,7 +168,8 @@ def drag_of(design: MatchDesign) -> Drag:
     """Drag of the vehicle; UserError where its boat was never towed."""
     vehicle = design.vehicle
     if vehicle.boat is not None:
-        boat = load_boat(vehicle.boat)
+        with told_of(f"{design.name}: vehicle.boat"):
+            boat = load_boat(vehicle.boat)
         return Drag(lambda speed: resistance_at(boat, speed), *_known_speeds(boat), boat.water_density)
     density = design.water_density
     assert density is not None and vehicle.drag_coefficient is not None and vehicle.diameter is not None

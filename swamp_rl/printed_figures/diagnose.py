@@ -14,7 +14,7 @@ from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Verdict
-from swamp_rl.errors import UserError
+from swamp_rl.errors import UserError, told_of
 from swamp_rl.printed_figures.predict import Fleet, fleet_of, misfits, predicted
 from swamp_rl.printed_figures.result import (
     CandidateFound,
@@ -78,10 +78,8 @@ class Study:
 def study_of(path: Path, boat: str) -> Study:
     """The figures file at a path with a boat, by name or file, at its loads; UserError, a line a fault."""
     found = read_figures(path, load_boat(boat))
-    try:
+    with told_of(path):  # the boat itself was read: it is a load or the water
         return Study(found, fleet_of(boat, found))
-    except UserError as error:  # the boat itself was read: it is a load or the water
-        raise UserError("\n".join(f"{path}: {line}" for line in str(error).split("\n"))) from error
 
 
 def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None) -> FiguresDiagnosis:

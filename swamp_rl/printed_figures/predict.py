@@ -12,7 +12,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 from swamp_rl.effects import EffectEntry, apply_effects
-from swamp_rl.errors import UserError
+from swamp_rl.errors import told_of
 from swamp_rl.printed_figures.manoeuvres import READERS, Loaded, Test
 from swamp_rl.printed_figures.schema import Figure, FiguresFile, Load
 
@@ -37,12 +37,9 @@ def fleet_of(boat: str, found: FiguresFile) -> Fleet:
 
 def _loaded(boat: str, load: Load | None, mass: float, density: float | None) -> Boat:
     """The boat with the load in that water; UserError where there is no such boat."""
-    try:
+    water = "" if density is None else f" in water of {density:g} kg/m3"
+    with told_of(f"the boat at {mass:g} kg{water}"):
         return load_boat(boat, _replaced(load, density))
-    except UserError as error:
-        water = "" if density is None else f" in water of {density:g} kg/m3"
-        lines = str(error).split("\n")
-        raise UserError("\n".join(f"the boat at {mass:g} kg{water}: {line}" for line in lines)) from error
 
 
 def _replaced(load: Load | None, density: float | None) -> dict[str, Any]:

@@ -59,6 +59,19 @@ def test_a_refused_mission_leaves_nothing(call: Call, tmp_path: Path) -> None:
     assert (tmp_path / "out" / "report.md").is_file()
 
 
+@pytest.mark.parametrize("boat", ["../../evil.yaml", "swmap", ""])
+def test_a_boat_that_the_file_names_and_that_is_not_there_is_told_by_file_and_key(
+    boat: str, call: Call, tmp_path: Path
+) -> None:
+    (tmp_path / "odd.yaml").write_text(MINE.replace("swamp", f'"{boat}"').format(charge=1.0))
+    assert_complains(call("mission", "odd.yaml"), "odd.yaml: boat: ")
+    (tmp_path / "plan.yaml").write_text(
+        f'boat: "{boat}"\nname: p\ntrials: [{{manoeuvre: stopping, throttle: [0.6]}}]\n'
+    )
+    assert_complains(call("trial", "plan", "plan.yaml", "--out", "out"), "plan.yaml: boat: ")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_folder_of_something_else_is_not_replaced(call: Call, tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "diary.txt").write_text("mine")
