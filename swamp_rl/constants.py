@@ -10,6 +10,7 @@ FASTEST = 3.0  # Froude number up to which a top speed is sought
 SHORTEST_BOAT, LONGEST_BOAT = 0.01, 1000.0  # m
 SLOWEST_BOAT, FASTEST_BOAT = 0.01, 100.0  # m/s
 LIGHTEST_BOAT, HEAVIEST_BOAT = 1e-3, 1e9  # kg
+LEAST_THROTTLE = 0.01  # of a manoeuvre: with less the boat does not move
 LIGHTEST_WATER, HEAVIEST_WATER = 900.0, 1300.0  # kg/m3
 FASTEST_WATER = 20.0  # m/s, of any current
 FASTEST_AIR = 200.0  # m/s, of any wind

@@ -9,12 +9,13 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 
 from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, Part
+from swamp_rl.constants import LEAST_THROTTLE
 from swamp_rl.files import find_config, read_yaml, validated
 from swamp_rl.manoeuvres.approach import Area
 from swamp_rl.manoeuvres.controller import Kind, Pattern, Trial
 
 Degrees = Annotated[float, Field(ge=-90.0, le=90.0)]
-Share = Annotated[float, Field(gt=0.0, le=1.0)]
+Share = Annotated[float, Field(ge=LEAST_THROTTLE, le=1.0)]
 Positive = Annotated[float, Field(gt=0.0)]
 
 

@@ -8,6 +8,7 @@ from pydantic import Field, ValidationError
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat.part import FROM_LIST, Part
+from swamp_rl.constants import LEAST_THROTTLE
 from swamp_rl.effects import LIBRARY
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
@@ -47,7 +48,7 @@ class Figure(Part):
     limit: Literal["at_least", "at_most"] | None = None
     alternative: bool = False
     water_density: Positive | None = None
-    throttle: Annotated[float, Field(ge=0.01, le=1.0)] | None = None
+    throttle: Annotated[float, Field(ge=LEAST_THROTTLE, le=1.0)] | None = None
     thrusters: Names = ()
     speed: Annotated[float, Field(ge=0.0, le=30.0)] | None = None
     angle_deg: Annotated[float, Field(ge=-90.0, le=90.0)] | None = None

@@ -56,6 +56,7 @@ def test_an_entry_stands_for_every_pair_of_its_angles_and_throttles(tmp_path: Pa
         ("angle_deg: [10.0, 20.0], ", "", "angle_deg is missing"),
         ("angle_deg: [10.0, 20.0]", "angle_deg: [10.0, 200.0]", "90"),
         ("throttle: [0.5, 0.6]", "throttle: [0.5, 60.0]", "must be at most 1"),
+        ("throttle: [0.5, 0.6]", "throttle: [0.5, 1.0e-320]", "throttle.1: must be at least 0.01"),
         ("throttle: [0.5, 0.6]", "rpm: [800.0]", "needs full_rpm"),
         (", throttle: [0.5, 0.6]", "", "either it or rpm"),
         ("throttle: [0.5, 0.6]", "throttle: []", "is empty"),
