@@ -5,6 +5,7 @@ file of theirs, an argument. What is read from a stored pilot or a folder of res
 `refuse_unnamed`.
 """
 
+import hashlib
 import importlib
 import importlib.util
 import os
@@ -12,6 +13,7 @@ import re
 import sys
 import traceback
 from collections.abc import Collection, Iterable
+from pathlib import Path
 from typing import Any
 
 from swamp_rl.errors import UserError
@@ -85,6 +87,16 @@ def _files_of(module: str) -> list[str]:
     except Exception:  # of a package around it, which is run
         return []
     return [spec.origin] if spec is not None and spec.origin else []
+
+
+def source_digests(names: Iterable[Any]) -> dict[str, str]:
+    """SHA-256 of the file of each module in which those of `names` that are code lie, by the module's name.
+
+    A module that it imports in turn is not looked at.
+    """
+    modules = sorted({name.partition(":")[0] for name in names if is_code(name)})
+    found = {module: file for module in modules for file in _files_of(module)}
+    return {module: hashlib.sha256(Path(file).read_bytes()).hexdigest() for module, file in found.items()}
 
 
 def is_named(name: str) -> bool:

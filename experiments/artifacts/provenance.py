@@ -10,10 +10,11 @@ from typing import Any
 from swamp_rl.experiments.artifacts.versions import versions
 from swamp_rl.experiments.config.digests import digest, hashes, pilot_hash
 from swamp_rl.experiments.config.scene import Scene, config_files
-from swamp_rl.experiments.config.schema import Experiment
+from swamp_rl.experiments.config.schema import Experiment, senses_in
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, yaml_text
+from swamp_rl.own_code import source_digests
 from swamp_rl.pilots.own import SHIPPED, model_file
 
 RESULTS, TRAINED = "results.json", "training.json"
@@ -30,7 +31,23 @@ def description(scene: Scene) -> dict[str, bytes]:
     written = yaml_text(scene.experiment.model_dump(mode="json"))
     files = {f"{CONFIG}/{EXPERIMENT}": written.encode()}
     files |= {f"{CONFIG}/{name}": file.read_bytes() for name, file in config_files(scene).items()}
-    return files | {"versions.json": (json.dumps(versions(), indent=2) + "\n").encode()}
+    told = versions() | {f"own code {name}": held for name, held in own_code_of(scene.experiment).items()}
+    return files | {"versions.json": (json.dumps(told, indent=2) + "\n").encode()}
+
+
+def digests_of_inputs(scene: Scene) -> dict[str, str]:
+    """SHA-256 of each file that an experiment names: boat, course, levels and the modules of own code."""
+    files = {
+        name: hashlib.sha256(file.read_bytes()).hexdigest() for name, file in config_files(scene).items()
+    }
+    return files | own_code_of(scene.experiment)
+
+
+def own_code_of(experiment: Experiment) -> dict[str, str]:
+    """`source_digests` of the kinds, observations and reward terms that an experiment names as code."""
+    plans = experiment.pilots.values()
+    observed = [name for plan in plans for senses in senses_in(plan.options) for name in senses]
+    return source_digests([*(plan.kind for plan in plans), *experiment.reward, *observed])
 
 
 def kept_config(given: str | Path) -> Path | None:

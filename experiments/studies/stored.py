@@ -12,7 +12,7 @@ from swamp_rl.experiments.config.schema import Experiment, Targets
 from swamp_rl.experiments.studies.run import evaluated
 
 from swamp_rl.errors import UserError
-from swamp_rl.pilots.arguments import asked_pilot
+from swamp_rl.pilots.arguments import Asked, asked_pilot
 from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 
 CHANGEABLE = ("evaluation", "targets")
@@ -36,7 +36,8 @@ def evaluate_folders(
     no pilot, where none keeps an experiment and none is given, or where `overrides` ask for what would need
     training.
     """
-    pilots = [asked_pilot(str(one)) for one in ([sources] if isinstance(sources, str | Path) else sources)]
+    asked_for = [sources] if isinstance(sources, str | Path) else sources
+    pilots = _folders_once([asked_pilot(str(one)) for one in asked_for])
     if not pilots:
         raise UserError("no folder to evaluate; name one of results, or of a stored pilot")
     out = None if out is None else Path(out)
@@ -55,6 +56,12 @@ def evaluate_folders(
     }
     place = out or Path("results") / "evaluation"
     return _of_pilots(folders, others, experiment, asked, overrides, place)
+
+
+def _folders_once(pilots: Sequence[Asked]) -> list[Asked]:
+    """The pilots with each folder once: a folder is named again for each code that its pilots need."""
+    named = {id(one) if one.folder is None else one.folder.resolve(): one for one in reversed(pilots)}
+    return list(reversed(named.values()))
 
 
 def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], out: Path | None) -> Path:

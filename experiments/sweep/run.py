@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from itertools import starmap
 from pathlib import Path
 
+from swamp_rl.experiments.artifacts.provenance import digests_of_inputs, with_data_hash
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.schema import Experiment
 from swamp_rl.experiments.sweep.propose import Values, batches_of, propose, refuse_without_optuna, trials_of
@@ -37,17 +38,19 @@ def run_sweep(
     processor; ray: the address of a cluster to be used in their place. UserError for whatever is wrong in the
     files, before any work is done.
     """
+    from swamp_rl.experiments.config.scene import read_scene
     from swamp_rl.experiments.sweep.report import write_report
 
     sweep = load_sweep(name_or_path)
     refuse_without_optuna(sweep)
     fixed = [*starmap(override, sweep.set.items()), *overrides]
-    base = checked(sweep, fixed)
+    base = with_data_hash(checked(sweep, fixed), f"sweep {sweep.name}")
     folder = Path(out) if out is not None else Path("results") / "sweeps" / sweep.name
     refuse_name_of_file(folder)
     plan = {
         "sweep": sweep.model_dump(mode="json", exclude={"description", "retries"}),
         "experiment": base.model_dump(mode="json"),
+        "inputs": digests_of_inputs(read_scene(base)),
         "swamp_rl": __version__,
     }
 

@@ -1,5 +1,6 @@
 """A researcher's own reward, observation and limits, from the YAML through training to the stored pilot."""
 
+import hashlib
 import json
 import sys
 from pathlib import Path
@@ -21,6 +22,7 @@ from swamp_rl.experiments.studies.stored import evaluate_folders
 from swamp_rl import own_code
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import read_episodes
+from swamp_rl.pilots import own
 from swamp_rl.pilots.arguments import Asked, opened
 from swamp_rl.pilots.store import load_pilot
 from tests.support.tiny_experiment import write_tiny
@@ -54,7 +56,9 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def forget(monkeypatch: pytest.MonkeyPatch) -> None:
     """As in a new process: no code has been named."""
     monkeypatch.setattr(own_code, "_modules", set())
-    sys.modules.pop("their_terms", None)
+    monkeypatch.setattr(own, "_named", {})
+    for module in ("their_terms", "their_pilot"):
+        sys.modules.pop(module, None)
 
 
 def experiment(folder: Path, pilot: str = "ppo", senses: list[str] = SENSES, **keys: Any) -> Path:
@@ -136,6 +140,70 @@ def test_models_that_stable_baselines3_trains_on_the_environment_are_evaluated_b
             seen, reward, terminated, truncated, _ = env.step(model.predict(seen, deterministic=True)[0])
             collected, over = collected + float(reward), terminated or truncated
         assert collected == pytest.approx(table["return"][0], rel=1e-4), name
+
+
+PILOT = """
+import numpy as np
+
+class Ahead:
+    senses = ("gate_ahead",)
+    from_runs = False
+
+    @classmethod
+    def train(cls, training):
+        return cls()
+
+    def save(self, folder):
+        (folder / "nothing.txt").write_text("")
+
+    @classmethod
+    def load(cls, folder, settings):
+        return cls()
+
+    def reset(self, n):
+        pass
+
+    def act(self, observation):
+        return np.tile([THROTTLE, 0.0], (len(observation), 1))
+"""
+
+
+def with_own_pilot(folder: Path, throttle: float) -> Path:
+    """The tiny experiment with an own reward term and an own pilot, which goes ahead at `throttle`."""
+    (folder / "their_pilot.py").write_text(PILOT.replace("THROTTLE", str(throttle)))
+    return experiment(folder, pilots={"ahead": {"kind": "their_pilot:Ahead"}})
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_a_result_with_an_own_pilot_and_an_own_term_is_evaluated_where_both_are_named(
+    place: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = run_experiment(with_own_pilot(place, 0.5), out=place / "out")
+    forget(monkeypatch)
+    with pytest.raises(UserError, match="their_terms:near_buoy"):
+        evaluate_folders([f"their_pilot:Ahead={out}"], out=place / "no")
+    named = [f"their_pilot:Ahead={out}", f"their_terms:near_buoy={out}"]
+    again = evaluate_folders(named, {"seed": 9}, out=place / "again")
+    assert list(json.loads((again / "results.json").read_text())["pilots"]) == ["ahead"]
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_an_interrupted_run_begins_anew_where_the_code_of_an_own_pilot_has_changed(
+    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr("swamp_rl.experiments.studies.main.gather", stopped)
+        run_experiment(with_own_pilot(place, 0.5), out=place / "out")
+    out = run_experiment(with_own_pilot(place, 0.25), out=place / "out")
+    assert "started again" in capsys.readouterr().err
+    held = json.loads((out / "versions.json").read_text())
+    sources = {name: (place / f"{name}.py").read_bytes() for name in ("their_pilot", "their_terms")}
+    assert {name: held[f"own code {name}"] for name in sources} == {
+        name: hashlib.sha256(source).hexdigest() for name, source in sources.items()
+    }
 
 
 @pytest.mark.parametrize("algorithm", [PPO, A2C, SAC, TD3])

@@ -165,6 +165,28 @@ def test_killed_at_any_moment_the_same_command_goes_on_and_loses_nothing(tmp_pat
     assert said(sweep_of(), ended) == said(sweep_of(), unbroken)
 
 
+def test_a_sweep_does_not_go_on_with_a_boat_file_that_has_changed_since(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stopped(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    boat = tmp_path / "mine.yaml"
+    boat.write_text("extends: swamp\nname: mine\n")
+    file = tmp_path / "sweep.yaml"
+    told = {"name": "s", "experiment": "smoke", "set": {"boat": str(boat)}}
+    told |= {"parameters": {"pilots.reservoir.options.units": {"grid": [10, 20]}}}
+    told |= {"objective": {"pilot": "reservoir", "level": "calm"}}
+    file.write_text(yaml.safe_dump(told))
+    monkeypatch.setattr("swamp_rl.experiments.sweep.run.carry_on", stopped)
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            run_sweep(file, out=tmp_path / "out", workers=1)
+    boat.write_text("extends: swamp\nname: mine\nmass: 70.0\n")
+    with pytest.raises(UserError, match="other settings"):
+        run_sweep(file, out=tmp_path / "out", workers=1)
+
+
 def test_another_sweep_or_a_second_process_is_kept_out_of_a_folder(tmp_path: Path) -> None:
     with opened(tmp_path, {"seed": 0}) as store:
         store.add(Trial(0, {"a": 1}, 0.5, None, None, 1, 0.1))
