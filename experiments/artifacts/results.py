@@ -1,5 +1,6 @@
 """`results.json`: what was measured, compared and reached."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from itertools import combinations
@@ -99,8 +100,8 @@ def difference_results(tables: Tables, rng: np.random.Generator) -> list[dict[st
 
 
 def _span(found: Interval) -> dict[str, Any]:
-    """As JSON has it: no pair to compare leaves nulls."""
-    return asdict(found) if found.n else {"value": None, "low": None, "high": None, "n": 0}
+    """As JSON has it: null without a pair to compare, and as the ends of a single one."""
+    return {key: None if math.isnan(number) else number for key, number in asdict(found).items()}
 
 
 def target_results(

@@ -28,6 +28,7 @@ from swamp_rl.evaluation import (
     paired_difference,
     probability_of_improvement,
     sign_flip_test,
+    success_difference,
     wilson,
 )
 from swamp_rl.evaluation.permutation import RESAMPLES
@@ -170,7 +171,9 @@ def _pair(
     for level, seeds in episodes.items():
         for quantity in quantities:
             first, second = (_over_seeds(one.tables(level), seeds, quantity) for one in (a, b))
-            found = paired_difference(first, second, rng)
+            one_training = len(a.results) == len(b.results) == 1  # then each episode succeeds or fails
+            of_rates = one_training and quantity == "success"
+            found = success_difference(first, second) if of_rates else paired_difference(first, second, rng)
             p = sign_flip_test(first - second, rng, max(RESAMPLES, FINEST * planned)) if found.n else math.nan
             row = {"a": a.label, "b": b.label, "level": level, "quantity": quantity}
             rows.append(row | asdict(found) | {"p": p})

@@ -32,7 +32,7 @@ def report(results: Results) -> str:
         f"Every pilot in the same {results['evaluation']['episodes']} seeded episodes at each level of "
         "disturbance. Success in percent, with Wilson's 95 % interval. The scripted pilot is not trained; "
         "it is a reference.\n\n" + success(results),
-        "Extended minus nominal, paired over the episodes, with a bootstrap 95 % interval:\n\n"
+        "Extended minus nominal, paired over the episodes, with Tango's 95 % score interval:\n\n"
         + differences(results),
         f"{verdict(results)}\n\nIt took {results['measured']['total_seconds']:.0f} s.",
     ]

@@ -211,8 +211,9 @@ def _differences(results: Results) -> str:
         rows.append([f"{found['a']} − {found['b']}, {found['level']}", *spans])
     return (
         "## Paired differences\n\n"
-        "Paired over the shared episodes, each with its own 95 % bootstrap interval, not corrected for the "
-        "number of comparisons: success over all episodes, costs over those in which both succeeded. "
+        "Paired over the shared episodes, each with its own 95 % interval, not corrected for the number of "
+        "comparisons: success over all episodes (Tango's score interval), costs over those in which both "
+        "succeeded (bootstrap; too narrow with fewer than about five episodes, none with one). "
         "`results.json` also has path and energy.\n\n"
         + table(["difference", "success [%]", *(COST_NAMES[cost][0] for cost in shown)], rows)
     )
@@ -255,5 +256,8 @@ def difference(what: str, interval: Mapping[str, Any]) -> str:
     if interval["value"] is None:
         return "–"
     scale, form = (100.0, "{:+.1f}") if what == "success" else (1.0, COST_NAMES[what][1].replace(":", ":+"))
-    value, low, high = (form.format(scale * interval[end]) for end in ("value", "low", "high"))
-    return f"{value} ({low} to {high})"
+    value, low, high = (
+        None if interval[end] is None else form.format(scale * interval[end])
+        for end in ("value", "low", "high")
+    )
+    return f"{value} ({low} to {high})" if low is not None else f"{value}"

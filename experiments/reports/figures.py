@@ -117,11 +117,13 @@ def success_rates(
                 [v - low for v, (low, _) in zip(value, ends, strict=True)],
                 [high - v for v, (_, high) in zip(value, ends, strict=True)],
             ]
-            asked = [100 * targets.get(pilot, {}).get(level, math.nan) for level in levels]
-            axes.plot(at, asked, "_", color="#222222", ms=13, mew=1.2, label="_" if i else "target", zorder=1)
+            if targets:
+                asked, label = targets.get(pilot, {}), "_" if i else "target"
+                marks = [100 * asked.get(level, math.nan) for level in levels]
+                axes.plot(at, marks, "_", color="#222222", ms=13, mew=1.2, label=label, zorder=1)
             shade = fractions(shades[pilot])
             axes.errorbar(at, value, yerr=error, fmt="o", ms=5, capsize=3, lw=1.4, label=pilot, color=shade)
-        axes.set(xticks=range(len(levels)), ylabel="success [%]", ylim=(0, 104))
+        axes.set(xticks=range(len(levels)), ylabel="success [%]", ylim=(-4, 104))
         axes.set_xticklabels(levels)
         axes.grid(axis="x", visible=False)
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))

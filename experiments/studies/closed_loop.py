@@ -26,7 +26,7 @@ from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError
-from swamp_rl.evaluation import Table, paired_difference, write_episodes
+from swamp_rl.evaluation import Table, success_difference, write_episodes
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
@@ -182,11 +182,10 @@ def results_of(
 
 def differences_of(scene: Scene, tables: dict[tuple[str, str], Table]) -> list[dict[str, Any]]:
     """Success of each pilot trained in the extended simulator less that of its twin, paired over episodes."""
-    rng = np.random.default_rng(scene.experiment.evaluation.seed)
     found = []
     for pilot in scene.experiment.pilots:
         for level in scene.levels:
             nominal, extended = (tables[called(pilot, s), level]["success"] for s in SIMULATORS)
-            made = paired_difference(extended, nominal, rng)
+            made = success_difference(extended, nominal)
             found.append({"pilot": pilot, "level": level, "extended_less_nominal": asdict(made)})
     return found

@@ -20,7 +20,7 @@ from swamp_rl.evaluation.seeds import (
     interquartile_mean,
     probability_of_improvement,
 )
-from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
+from swamp_rl.evaluation.statistics import Interval, paired_difference, success_difference, wilson
 
 __all__ = [
     "COSTS",
@@ -44,6 +44,7 @@ __all__ = [
     "probability_of_improvement",
     "read_episodes",
     "sign_flip_test",
+    "success_difference",
     "summary",
     "wilson",
     "write_episodes",

@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.clipped import clipped
-from swamp_rl.constants import Z95
 from swamp_rl.energy import missing, pack_power, range_left
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation.metrics import bollard_thrust, command_change, jet_areas, jet_power, path_length
 from swamp_rl.evaluation.rollout import Rollout
-from swamp_rl.evaluation.statistics import Interval, paired_difference, wilson
+from swamp_rl.evaluation.statistics import ENDS, Interval, paired_difference, success_difference, wilson
 from swamp_rl.names import refuse_odd_label
 from swamp_rl.ordinary import contents
 
@@ -99,9 +98,11 @@ def summary(table: Table) -> dict[str, Any]:
 
 
 def _mean_return(returns: NDArray[np.float64]) -> dict[str, Any]:
-    """The mean over all episodes with its 95 % interval, by the central limit theorem."""
+    """The mean over all episodes with its 95 % interval by Student's t distribution."""
+    from scipy.stats import t as student_t
+
     mean, n = float(returns.mean()), len(returns)
-    half = Z95 * float(returns.std(ddof=1)) / n**0.5 if n > 1 else None
+    half = float(student_t.ppf(ENDS[1], n - 1) * returns.std(ddof=1)) / n**0.5 if n > 1 else None
     return {"mean_return": mean, "return_95": None if half is None else [mean - half, mean + half]}
 
 
@@ -113,7 +114,7 @@ def differences(a: Table, b: Table, rng: np.random.Generator) -> dict[str, Inter
     if not np.array_equal(a["seed"], b["seed"]):
         raise ValueError("the two pilots were not evaluated on the same episodes")
     both = a["success"] & b["success"]
-    result = {"success": paired_difference(a["success"], b["success"], rng)}
+    result = {"success": success_difference(a["success"], b["success"])}
     for name in costs_of(a, b):
         result[name] = paired_difference(a[name][both], b[name][both], rng)
     return result

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swamp_rl.evaluation.statistics import paired_difference, wilson
+from swamp_rl.evaluation.statistics import paired_difference, success_difference, wilson
 
 
 @pytest.mark.parametrize(
@@ -25,6 +25,58 @@ def test_wilson_at_all_successes_is_n_over_n_plus_z_squared() -> None:
 def test_wilson_refuses_more_successes_than_episodes() -> None:
     with pytest.raises(ValueError):
         wilson(3, 2)
+
+
+def outcomes(both: int, only_a: int, only_b: int, neither: int) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) bool: the episodes in which a succeeds, and those in which b does."""
+    counts = (both, only_a, only_b, neither)
+    return np.repeat([True, True, False, False], counts), np.repeat([True, False, True, False], counts)
+
+
+@pytest.mark.parametrize("both", [0, 7, 20])
+def test_pilots_that_agree_in_every_episode_may_still_differ_by_z_squared_over_n_plus_z_squared(
+    both: int,
+) -> None:
+    interval = success_difference(*outcomes(both, 0, 0, 20 - both))
+    half = 1.959964**2 / (20 + 1.959964**2)
+    assert (interval.value, interval.low, interval.high) == pytest.approx((0.0, -half, half), rel=1e-6)
+
+
+def test_pilots_that_differ_in_every_episode_have_an_interval_of_some_width() -> None:
+    interval = success_difference(*outcomes(0, 20, 0, 0))
+    least = (20 - 1.959964**2) / (20 + 1.959964**2)
+    assert (interval.value, interval.low, interval.high) == pytest.approx((1.0, least, 1.0), rel=1e-6)
+    swapped = success_difference(*outcomes(0, 0, 20, 0))
+    assert (swapped.value, swapped.low, swapped.high) == pytest.approx((-1.0, -1.0, -least), rel=1e-6)
+
+
+@pytest.mark.parametrize("only_a", range(0, 15))
+def test_the_interval_of_success_leaves_out_zero_where_mcnemars_score_test_rejects(only_a: int) -> None:
+    interval = success_difference(*outcomes(10, only_a, 4, 6))
+    rejected = (only_a - 4) ** 2 > 1.959964**2 * (only_a + 4)
+    assert rejected == (interval.low > 0.0 or interval.high < 0.0)
+    assert -1.0 <= interval.low < interval.value < interval.high <= 1.0
+
+
+@pytest.mark.parametrize(("agree", "n"), [(0.98, 20), (0.7, 20), (0.9, 100)])
+def test_the_interval_of_success_covers_the_truth_nineteen_times_in_twenty(agree: float, n: int) -> None:
+    rng, covered = np.random.default_rng(8), 0
+    chances = (0.5 * agree, 0.75 * (1.0 - agree), 0.25 * (1.0 - agree), 0.5 * agree)
+    for _ in range(400):
+        interval = success_difference(*outcomes(*rng.multinomial(n, chances)))
+        covered += interval.low <= chances[1] - chances[2] <= interval.high
+    assert covered / 400 >= 0.93
+
+
+def test_the_interval_of_six_paired_costs_covers_the_truth_about_nineteen_times_in_twenty() -> None:
+    rng = np.random.default_rng(9)
+    found = [paired_difference(rng.normal(2.0, 1.0, 6), np.zeros(6), rng, 1000) for _ in range(400)]
+    assert np.mean([one.low <= 2.0 <= one.high for one in found]) >= 0.91
+
+
+def test_one_pair_of_costs_has_no_interval() -> None:
+    interval = paired_difference([3.0], [1.0], np.random.default_rng(0))
+    assert (interval.value, interval.n) == (2.0, 1) and np.isnan([interval.low, interval.high]).all()
 
 
 def test_paired_difference_of_a_constant_shift_is_that_shift_exactly() -> None:

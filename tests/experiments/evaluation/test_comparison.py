@@ -31,6 +31,16 @@ def test_pilots_of_two_folders_are_paired_by_episode(tmp_path: Path) -> None:
     assert found["comparisons"] == 4
 
 
+def test_a_single_shared_episode_bounds_no_cost_and_hardly_a_success(tmp_path: Path) -> None:
+    one, two = (folder_of(tmp_path / name, {pilot: np.ones(1, bool)}) for name, pilot in KINDS)
+    found = compare([one, two])
+    of = {row["quantity"]: row for row in found["differences"]}
+    assert of["success"]["low"] < -0.5 and of["success"]["high"] > 0.5
+    assert of["time"]["value"] is not None and (of["time"]["low"], of["time"]["high"]) == (None, None)
+    (line,) = (line for line in report(found).splitlines() if "| time [s] |" in line)
+    assert " to " not in line and "nan" not in line
+
+
 def test_energy_per_metre_is_compared_where_every_result_has_it(tmp_path: Path) -> None:
     won = np.ones(30, bool)
     one, two = (folder_of(tmp_path / name, {pilot: won}, electric=True) for name, pilot in KINDS)

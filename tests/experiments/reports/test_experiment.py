@@ -1,9 +1,12 @@
 """The report of an experiment states what was asked and counted, on any course."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
+from matplotlib.figure import Figure
 from swamp_rl.experiments.reports.experiment import failures, success, targets_reached
+from swamp_rl.experiments.reports.figures import success_rates
 
 
 def results(pilots: dict[str, float]) -> dict[str, Any]:
@@ -14,6 +17,17 @@ def results(pilots: dict[str, float]) -> dict[str, Any]:
         for name, rate in pilots.items()
     }
     return {"evaluation": {"levels": levels}, "pilots": rates}
+
+
+@pytest.mark.parametrize(("targets", "named"), [({}, ["ppo"]), ({"ppo": {"calm": 0.9}}, ["target", "ppo"])])
+def test_the_figure_of_success_names_a_target_only_where_one_is_set(
+    targets: dict[str, dict[str, float]], named: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr(Figure, "savefig", lambda figure, *_, **__: drawn.append(figure))
+    rates = {name: one["levels"] for name, one in results({"ppo": 0.5})["pilots"].items()}
+    success_rates(tmp_path / "success.png", rates, targets, "Success")
+    assert [text.get_text() for text in drawn[0].axes[0].get_legend().get_texts()] == named
 
 
 def test_success_is_defined_for_any_number_of_gates() -> None:
