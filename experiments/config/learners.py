@@ -89,6 +89,8 @@ class Learner:
     "It learns in the simulator, so that `disturbances` has a meaning."
     starts_from: tuple[str, ...] = ()
     "Options that name other pilots of the experiment, which are trained first; None names nobody."
+    starts_with: tuple[str, ...] = ()
+    "The kinds of these pilots; empty for any."
     fitted_on: "Callable[[Training], FittedOn | None] | None" = None
     "The runs that are stored with the pilot as those it learned from; by default those of its training."
     made: "Callable[[Training], Made | None] | None" = None
@@ -147,6 +149,12 @@ def in_order(plans: Mapping[str, PilotPlan], wanted: list[str] | None = None) ->
         for other in needed(plans[name]):
             if other not in plans:
                 raise UserError(f"pilots.{name}.options: no pilot {other!r}{nearest(other, plans)}")
+            kinds = learner(plans[name].kind).starts_with
+            if kinds and plans[other].kind not in kinds:
+                raise UserError(
+                    f"pilots.{name}.options: {plans[name].kind} cannot start from {other!r} of kind "
+                    f"{plans[other].kind}; name a pilot of kind {', '.join(kinds)}"
+                )
             add(other, (*above, name))
         if name not in order:
             order.append(name)
@@ -273,7 +281,10 @@ def _ppo() -> Learner:
         start = training.trained[settings.start] if settings.start is not None else None
         return train_ppo(boats, settings, training.tick, training.log, training.checkpoint, start)
 
-    return Learner(PPOSettings, train, _tries_told, by_trying=True, starts_from=("start",))
+    networks = ("cloning", "ppo", "sac", "stored")
+    return Learner(
+        PPOSettings, train, _tries_told, by_trying=True, starts_from=("start",), starts_with=networks
+    )
 
 
 def _sac() -> Learner:

@@ -29,6 +29,8 @@ FEWEST_OF_BOAT = 3
 "Keys of a boat by which a boat file is known."
 KEPT = "experiment.yaml"
 "The name of the configuration that a folder of results keeps."
+SOMEWHERE = "<layer>"
+"At the beginning of a fault whose layer is yet to be found."
 
 
 def load_experiment(
@@ -57,27 +59,34 @@ def overridden(
 
 
 def _read(layers: Sequence[Layer]) -> Experiment:
-    """The experiment of all layers; UserError names the layer from which on its first fault is the same."""
+    """The experiment of all layers; UserError names, for each fault, the layer from which on it is there."""
     stages = list(accumulate((data for _, data in layers), merged))
-    at_fault = layers[-1][0]
     try:
-        return _checked(at_fault, stages[-1])
-    except UserError:
-        fault = _fault(stages[-1])
-    for (where, _), stage in zip(layers[::-1], stages[::-1], strict=True):
-        if _fault(stage) != fault:
-            break
-        at_fault = where
-    return _checked(at_fault, stages[-1])
-
-
-def _fault(data: dict[str, Any]) -> str | None:
-    """The first fault of an experiment, if any."""
-    try:
-        _checked("", data)
+        return _checked(SOMEWHERE, stages[-1])
     except UserError as error:
-        return str(error).splitlines()[0]
-    return None
+        faults = str(error).splitlines()
+    found = [_faults(stage) for stage in stages]
+    named = (fault.replace(SOMEWHERE, str(_origin(fault, layers, found)), 1) for fault in faults)
+    raise UserError("\n".join(named))
+
+
+def _faults(data: dict[str, Any]) -> list[str]:
+    """The faults of an experiment, one a line, with `SOMEWHERE` in place of their layer."""
+    try:
+        _checked(SOMEWHERE, data)
+    except UserError as error:
+        return str(error).splitlines()
+    return []
+
+
+def _origin(fault: str, layers: Sequence[Layer], found: Sequence[Sequence[str]]) -> str | Path:
+    """The lowest layer from which on all have the fault; found: the faults with each layer over those below."""
+    origin = layers[-1][0]
+    for (where, _), faults in zip(layers[::-1], found[::-1], strict=True):
+        if fault not in faults:
+            break
+        origin = where
+    return origin
 
 
 def _checked(where: str | Path, data: dict[str, Any]) -> Experiment:

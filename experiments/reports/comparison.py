@@ -72,8 +72,8 @@ def differences(found: Found, quantities: Sequence[str], title: str) -> str:
     return (
         f"## {title}\n\nPaired over the episodes, costs over those in which both succeeded. Each interval "
         "covers its own difference with 95 % (success with one training seed: Tango's score interval; else "
-        "bootstrap, none over a single episode) and is not corrected for the number of comparisons. p is from "
-        f"a sign-flip test and is corrected by Holm over all {found['comparisons']} comparisons of this "
+        "bootstrap, none over a single episode) and is not corrected for the number of comparisons. p is "
+        f"from a sign-flip test and is corrected by Holm over all {found['comparisons']} comparisons of this "
         "report, so an interval may exclude zero where p is above 0.05: decide by p. Both hold for these "
         "trained pilots.\n\n"
         + table(["difference", "of", *DIFFERENCE_HEADS[:1], "episodes", *DIFFERENCE_HEADS[1:]], lines)

@@ -73,6 +73,12 @@ def test_what_a_kind_does_not_have_is_refused_in_one_line(pupils: Path, override
     assert "\n" not in str(complaint.value)
 
 
+def test_ppo_that_is_to_start_from_a_pilot_of_another_kind_is_refused_before_any_work() -> None:
+    with pytest.raises(UserError, match="cannot start from 'reservoir' of kind reservoir; name .* cloning"):
+        load_experiment("smoke", ["pilots.ppo.options.start=reservoir"])
+    assert load_experiment("smoke", ["pilots.ppo.options.start=cloning"]).pilots["ppo"].options["start"]
+
+
 @pytest.mark.parametrize("kind", LEARNERS)
 def test_every_kind_that_learns_tells_what_it_learned_from(kind: str) -> None:
     least = {"folder": "here"} if kind == "stored" else {}

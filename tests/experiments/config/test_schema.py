@@ -193,6 +193,11 @@ def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_
     assert together.startswith(
         "--set evaluation.levels=[severe]: targets.success.net: level 'calm' is not in"
     )
+    both = complaint(write(tmp_path, SMALL), "evaluation.episodes=0", "evaluation.seed=-1")
+    assert [line[: line.index(": ")] for line in both.split("\n")] == [
+        "--set evaluation.episodes=0",
+        "--set evaluation.seed=-1",
+    ]
     file = write(tmp_path, SMALL.replace("seed", "sede"))
     assert all(line.startswith(f"{file}: ") for line in complaint(file, *sound).split("\n"))
 
