@@ -69,6 +69,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         place of `seed`. With neither, each boat goes on with its generator. `once`, bool: a boat that has
         ended does not start anew, but lies still and stays over until the next reset.
         """
+        if isinstance(seed, list | tuple | np.ndarray):
+            raise UserError('reset: seed must be one whole number; several are options={"episodes": seeds}')
         seed = known_seed(seed)
         super().reset(seed=seed)
         asked = known_options(options, ("episodes", "once"))

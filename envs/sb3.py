@@ -24,12 +24,15 @@ class GatesVecEnv(VecEnv):
     """
 
     def __init__(self, boats: GatesVectorEnv, hold: int = 1) -> None:
-        """boats: with `autoreset_mode` SAME_STEP, which is what the library expects; ValueError otherwise.
+        """boats: with `autoreset_mode` SAME_STEP, which is what the library expects; UserError otherwise.
 
         hold: steps of the boats for which each action is held; their rewards are summed.
         """
-        if boats.autoreset_mode != AutoresetMode.SAME_STEP:
-            raise ValueError("stable-baselines3 needs boats with autoreset_mode=AutoresetMode.SAME_STEP")
+        if getattr(boats, "autoreset_mode", None) != AutoresetMode.SAME_STEP:
+            raise UserError(
+                "GatesVecEnv: needs a batch that restarts in the same step: gymnasium.make_vec("
+                '"swamp/Gates-v1", num_envs=8, autoreset_mode="SameStep")'
+            )
         self.boats, self.hold = boats, hold
         self._actions: NDArray[Any] | None = None
         levers = joypad_space()

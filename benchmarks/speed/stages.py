@@ -45,7 +45,7 @@ def _works(verb: str, rest: str, experiment: Experiment, boats_share: float) -> 
         if kind == "ppo":
             return [(PPO_BOATS, boats_share), (PPO_NETWORK, 1.0 - boats_share)]
         return [(FROM_RUNS if learner(kind).from_runs else "train others", 1.0)]
-    if verb == "try":
+    if verb == "evaluate":
         return [(f"evaluate {rest.rsplit(', ', 1)[0]}", 1.0)]
     return [("record runs" if verb == "record" else "compare, draw and write", 1.0)]
 

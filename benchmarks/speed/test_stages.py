@@ -13,9 +13,9 @@ def test_every_second_of_every_stage_is_counted_once() -> None:
         "train reservoir": 2.0,
         "train cloning": 8.0,
         "train ppo": 60.0,
-        "try ppo, calm": 1.0,
-        "try ppo, severe": 2.0,
-        "try reservoir-alone, calm": 4.0,
+        "evaluate ppo, calm": 1.0,
+        "evaluate ppo, severe": 2.0,
+        "evaluate reservoir-alone, calm": 4.0,
         "compare": 1.0,
         "draw figures": 2.0,
     }

@@ -97,7 +97,10 @@ def with_data_hash(experiment: Experiment, where: str) -> Experiment:
     data = experiment.data
     if data.folder is None:
         return experiment
-    found = digest(hashes(Path(data.folder)))
+    try:
+        found = digest(hashes(Path(data.folder)))
+    except UserError as error:
+        raise UserError(f"{where}: data.folder: {error}") from error
     if data.sha256 not in (None, found):
         raise UserError(
             f"{where}: data.sha256: the runs in {data.folder} are no longer those that it was made with; "

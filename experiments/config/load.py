@@ -80,7 +80,7 @@ def _faults(data: dict[str, Any]) -> list[str]:
 
 
 def _origin(fault: str, layers: Sequence[Layer], found: Sequence[Sequence[str]]) -> str | Path:
-    """The lowest layer from which on all have the fault; found: the faults with each layer over those below."""
+    """The lowest layer from which on all have the fault; found: the faults of each stage."""
     origin = layers[-1][0]
     for (where, _), faults in zip(layers[::-1], found[::-1], strict=True):
         if fault not in faults:

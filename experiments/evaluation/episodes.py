@@ -45,7 +45,7 @@ def try_pilots(
 def _try(scene: Scene, name: str, pilot: Pilot, level: str, progress: Stages) -> tuple[Table, list[Run]]:
     step = scene.experiment.step
     few = min(scene.experiment.evaluation.shown, len(scene.seeds))
-    with progress.stage(f"try {name}, {level}", len(scene.seeds)) as tick:
+    with progress.stage(f"evaluate {name}, {level}", len(scene.seeds)) as tick:
         rollout = drive(pilot, scene.boats_at(scene.levels[level]), scene.seeds, tick)
         table = episode_table(rollout, scene.boat, step)
     return table, [rollout.run(i, f"{name}-{level}-{i}", step) for i in range(few)]

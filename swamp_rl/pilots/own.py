@@ -196,7 +196,14 @@ class OwnPilot:
         with tempfile.TemporaryDirectory() as folder:
             for name, content in weights.items():
                 file_in(Path(folder), name, ANY).write_bytes(content.tobytes())
-            return cls(kind, found.load(Path(folder), options), options)
+            try:
+                loaded = found.load(Path(folder), options)
+            except OSError as error:
+                raise UserError(
+                    f"{kind}.load: {Path(str(error.filename)).name}: {error.strerror}; {kind}.save wrote "
+                    f"{', '.join(weights) or 'nothing'}"
+                ) from error
+        return cls(kind, loaded, options)
 
 
 def model_file(file: str, sha256: str | None = None) -> bytes:

@@ -48,7 +48,8 @@ class SB3Zip:
         seen, action = self._model.observation_space.shape, self._model.action_space
         if seen != (len(senses),):
             raise UserError(
-                f"sb3:{file}: the model observes the shape {seen}, not ({len(senses)},); give its senses"
+                f"sb3:{file}: the model observes the shape {seen}, not ({len(senses)},); name what it "
+                "observes as the senses of a pilot of kind sb3 in an experiment (docs/own_pilot.md)"
             )
         if action.shape != (2,):
             raise UserError(f"sb3:{file}: the model's actions have the shape {action.shape}, (2,) is needed")

@@ -186,8 +186,10 @@ def files_of(folder: Path) -> list[Path]:
     """All files that a dataset is made of: description, copies, runs; UserError where one is not there."""
     if is_file(folder):
         raise UserError(f"{folder}: {NO_FOLDER}")
+    if not folder.is_dir():
+        raise UserError(f"{folder}: no such folder; name one of runs")
     if not (folder / META).exists():
-        found = sorted(path.name for path in folder.iterdir() if is_table(path)) if folder.is_dir() else []
+        found = sorted(path.name for path in folder.iterdir() if is_table(path))
         if not found:
             raise UserError(f"{folder}: no runs here; name a folder of .csv or .parquet files")
         return [file_in(folder, name, SUFFIXES) for name in found]

@@ -112,6 +112,12 @@ def test_once_is_true_or_false(once: Any) -> None:
         GatesVectorEnv(2).reset(options={"once": once})
 
 
+@pytest.mark.parametrize("seeds", [[1, 2], (1, 2), np.array([1, 2])])
+def test_several_seeds_are_answered_with_the_option_that_takes_them(seeds: Any) -> None:
+    with pytest.raises(UserError, match=r'options=\{"episodes": seeds\}'):
+        GatesVectorEnv(2).reset(seed=seeds)
+
+
 @pytest.mark.parametrize("episodes", [3, [1], [[1, 2], [3]], [1, -2], [1.0, 2.0], ["a", "b"], [2**70, 1]])
 def test_episodes_that_are_no_seeds_are_refused(episodes: Any) -> None:
     with pytest.raises(UserError, match="episodes must be 2 seeds"):

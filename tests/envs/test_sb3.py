@@ -1,5 +1,8 @@
 """The batch as stable-baselines3 sees it."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from swamp_rl.envs.batched import GatesVectorEnv
@@ -90,9 +93,10 @@ def test_a_failure_is_no_time_out() -> None:
     assert rewards[0] < -1.0
 
 
-def test_boats_that_start_anew_a_step_later_are_refused() -> None:
-    with pytest.raises(ValueError, match="SAME_STEP"):
-        sb3.GatesVecEnv(GatesVectorEnv(2))
+@pytest.mark.parametrize("boats", [lambda: GatesVectorEnv(2), GatesEnv, lambda: "swamp/Gates-v1"])
+def test_boats_that_do_not_start_anew_in_the_same_step_are_refused(boats: Callable[[], Any]) -> None:
+    with pytest.raises(UserError, match='autoreset_mode="SameStep"'):
+        sb3.GatesVecEnv(boats())
 
 
 def test_ppo_learns_on_it_for_a_moment() -> None:

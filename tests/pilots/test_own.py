@@ -179,6 +179,14 @@ def test_what_is_wrong_in_the_users_own_module_is_told_by_line(place: Path, numb
         load_experiment(experiment(place, kind=f"broken_{number}:MyPilot"))
 
 
+def test_a_file_that_an_own_pilot_does_not_find_again_is_told_with_its_class(place: Path) -> None:
+    file = place / "my_pilot.py"
+    file.write_text(file.read_text().replace('load(folder / "network.pt"', 'load(folder / "net.pt"'))
+    save_pilot(opened(asked_pilot("my_pilot:MyPilot")), place / "stored")
+    with pytest.raises(UserError, match=r"my_pilot:MyPilot\.load: net\.pt: .*save wrote network\.pt"):
+        load_pilot(place / "stored")
+
+
 @pytest.mark.parametrize(
     ("levers", "told"),
     [(np.zeros((3, 3)), "shape"), (np.full((3, 2), np.nan), "finite"), ([[1.0], [1.0, 0.0]], "no array")],

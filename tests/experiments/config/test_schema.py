@@ -183,6 +183,8 @@ def test_a_boat_file_and_runs_in_place_of_what_is_needed_are_told_in_one_line(tm
     told = "is a file, not a folder of runs; swamp-rl runs import makes one of a log"
     with pytest.raises(UserError, match=f"run.csv: {told}"):
         with_data_hash(load_experiment("smoke", f"data.folder={tmp_path / 'run.csv'}"), "smoke")
+    with pytest.raises(UserError, match=r"smoke: data\.folder: nowhere: no such folder"):
+        with_data_hash(load_experiment("smoke", "data.folder=nowhere"), "smoke")
 
 
 def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_any(tmp_path: Path) -> None:

@@ -49,7 +49,7 @@ def test_what_is_finished_is_not_done_again(tmp_path: Path, monkeypatch: pytest.
         monkeypatch.setattr(module, name, stopped)
     out = run_experiment(path, out=tmp_path / "out")
     seconds = json.loads((out / "results.json").read_text())["measured"]["seconds"]
-    assert {"record runs", "train net", "try net, calm"} <= seconds.keys()
+    assert {"record runs", "train net", "evaluate net, calm"} <= seconds.keys()
 
 
 def test_a_changed_configuration_begins_anew_and_says_so(

@@ -54,7 +54,7 @@ def test_training_then_evaluating_gives_what_running_gives(place: Path) -> None:
     out = evaluate_folders([place / "trained"], {}, out=place / "evaluated")
     assert content(out) == content(place / "run")
     seconds = json.loads((out / "results.json").read_text())["measured"]["seconds"]
-    assert "train ppo" in seconds and "try ppo, calm" in seconds
+    assert "train ppo" in seconds and "evaluate ppo, calm" in seconds
 
 
 @pytest.mark.parametrize("given", ["run", "run/config", "run/config/experiment.yaml"])
@@ -97,7 +97,7 @@ def test_a_pilot_is_stored_with_the_runs_it_was_fitted_on(place: Path) -> None:
 def test_the_report_has_a_table_of_where_the_time_went(place: Path) -> None:
     report = (place / "run" / "report.md").read_text()
     seconds = json.loads((place / "run" / "results.json").read_text())["measured"]["seconds"]
-    assert {"record runs", "train ppo", "try ppo, calm", "draw figures"} <= seconds.keys()
+    assert {"record runs", "train ppo", "evaluate ppo, calm", "draw figures"} <= seconds.keys()
     assert all(f"| {stage} |" in report for stage in seconds)
 
 
