@@ -99,7 +99,9 @@ def pilots(
     """List the kinds of pilots; of one, its options with their defaults and bounds."""
     from swamp_rl.experiments.config.learners import LEARNERS, learner
 
-    _refuse_unknown("kind of pilot", name, LEARNERS)
+    from swamp_rl.pilots.own import SHIPPED, own_kinds
+
+    _refuse_unknown("kind of pilot", name, [*LEARNERS, *own_kinds()])
     if name is None:
         for kind in LEARNERS:
             one = learner(kind)
@@ -107,6 +109,10 @@ def pilots(
             typer.echo(
                 f"{kind:<19} {'learns from ' + ' and '.join(sources) if sources else 'is not trained'}"
                 + "".join(f"; {told}" for told in _shipped(kind))
+            )
+        for kind in own_kinds():
+            typer.echo(
+                f"{kind:<19} {'is read from a file' if kind in SHIPPED else 'of an installed package'}"
             )
         return
     for line in _option_lines(learner(name).settings):

@@ -73,7 +73,7 @@ def test_a_course_is_told_in_degrees_and_metres(call: Call) -> None:
 
 def test_every_kind_of_pilot_tells_its_options_with_default_and_bounds(call: Call) -> None:
     kinds = [line.split()[0] for line in lines(call, "pilots")]
-    assert {"scripted", "reservoir", "cloning", "ppo"} <= set(kinds)
+    assert {"scripted", "reservoir", "cloning", "ppo", "sb3", "onnx"} <= set(kinds)
     for kind in kinds:
         assert lines(call, "pilots", kind)
     (decisions,) = (line for line in lines(call, "pilots", "ppo") if line.startswith("decisions"))
