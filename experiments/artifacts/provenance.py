@@ -15,7 +15,7 @@ from swamp_rl.experiments.config.schema import Experiment, senses_in
 from swamp_rl.errors import UserError
 from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, yaml_text
 from swamp_rl.own_code import source_digests
-from swamp_rl.pilots.own import SHIPPED, model_file
+from swamp_rl.pilots.own import SHIPPED, model_file, own_class, settings_of
 
 RESULTS, TRAINED = "results.json", "training.json"
 """Marks of a whole result and of one whose pilots are trained but not evaluated."""
@@ -112,22 +112,25 @@ def with_data_hash(experiment: Experiment, where: str) -> Experiment:
 def with_pilot_hashes(experiment: Experiment, where: str) -> Experiment:
     """The experiment with the hash of each pilot given by its folder or its model's file.
 
-    UserError where such a file is not there, or is another one than the experiment names.
+    UserError where such a file is not there, holds no model that can steer, or is another one than the
+    experiment names.
     """
     plans = dict(experiment.pilots)
     for name, plan in plans.items():
         if plan.kind in SHIPPED:
             model = hashlib.sha256(model_file(plan.options["file"], plan.options.get("sha256"))).hexdigest()
+            found = own_class(plan.kind)
+            found.read(settings_of(found).model_validate(plan.options))  # one that cannot steer is told now
             plans[name] = plan.model_copy(update={"options": plan.options | {"sha256": model}})
         if plan.kind != "stored":
             continue
-        found = pilot_hash(plan.options["folder"])
-        if plan.options.get("sha256") not in (None, found):
+        held = pilot_hash(plan.options["folder"])
+        if plan.options.get("sha256") not in (None, held):
             raise UserError(
                 f"{where}: pilots.{name}.options.sha256: the pilot in {plan.options['folder']} is no longer "
                 "the one that it was made with; bring it back, or drop the key to take what is there"
             )
-        plans[name] = plan.model_copy(update={"options": plan.options | {"sha256": found}})
+        plans[name] = plan.model_copy(update={"options": plan.options | {"sha256": held}})
     return experiment.model_copy(update={"pilots": plans})
 
 

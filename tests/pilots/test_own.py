@@ -276,3 +276,15 @@ def test_a_model_that_is_not_there_is_told_before_anything_is_recorded(place: Pa
     with pytest.raises(UserError, match=r"nowhere\.onnx: No such file"):
         train_experiment(place / "mine.yaml", out=place / "out")
     assert not list(place.glob("*out*"))
+
+
+def test_a_model_that_observes_something_else_is_told_before_anything_is_recorded(place: Path) -> None:
+    senses = ["gate_ahead", "yaw_rate"]
+    PPO("MlpPolicy", gymnasium.make("swamp/Gates-v1", observation=senses)).save(place / "two.zip")
+    file = write_tiny(place, "scripted")
+    data = yaml.safe_load(file.read_text())
+    data["pilots"] = {"two": {"kind": "sb3", "options": {"file": str(place / "two.zip")}}}
+    file.write_text(yaml.safe_dump(data))
+    with pytest.raises(UserError, match=r"observes the shape \(2,\), not \(12,\); name what it observes"):
+        train_experiment(file, out=place / "out")
+    assert not list(place.glob("*out*"))
