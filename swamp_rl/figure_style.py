@@ -45,4 +45,11 @@ def sheet(path: Path, width: float, height: float) -> Iterator[Any]:
         figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06))
         FigureCanvasAgg(figure)
         yield figure
-        figure.savefig(path)
+        save(figure, path)
+
+
+def save(figure: Any, path: Path, **options: Any) -> None:
+    """Write a figure with a layout engine; `savefig` alone would draw it twice, once for the layout."""
+    figure.get_layout_engine().execute(figure)
+    figure.set_layout_engine(None)
+    figure.savefig(path, **options)

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 from swamp_rl.figure_style import sheet
 
@@ -15,3 +16,19 @@ def test_a_name_that_is_no_formula_is_drawn_as_it_stands(name: str, tmp_path: Pa
         axes.set(title=name, xlabel=name)
         axes.legend()
     assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_figure_is_drawn_once_and_all_of_it_has_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Figure] = []
+    draw = Figure.draw
+    monkeypatch.setattr(
+        Figure, "draw", lambda figure, renderer: (drawn.append(figure), draw(figure, renderer))
+    )
+    with sheet(tmp_path / "figure.png", 3.0, 2.0) as figure:
+        axes = figure.subplots()
+        axes.set(ylabel="a name\nof two lines")
+    assert len(drawn) == 1
+    box = axes.get_tightbbox()
+    assert box.x0 >= 0.0 and box.y0 >= 0.0 and box.x1 <= figure.bbox.x1

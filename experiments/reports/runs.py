@@ -9,7 +9,7 @@ from swamp_rl.experiments.reports.figures import DRIVEN, FAILED, draw_course
 
 from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
-from swamp_rl.figure_style import styled
+from swamp_rl.figure_style import save, styled
 from swamp_rl.files import write_beside
 from swamp_rl.runs import Dataset, Run
 
@@ -58,7 +58,7 @@ def draw_tracks(dataset: Dataset, path: Path, source: str) -> None:
             f"{dataset.folder.resolve().name}: {counted(len(dataset.runs), 'run')}, {dataset.meta.source}"
         )
         figure.legend(loc="outside lower center", ncols=4)
-        figure.savefig(part, metadata={"Source": source})
+        save(figure, part, metadata={"Source": source})
 
 
 def _by_outcome(dataset: Dataset) -> list[tuple[str, str, str, list[Run]]]:

@@ -10,7 +10,7 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure as Canvas
 
 from swamp_rl.angles import turned
-from swamp_rl.figure_style import styled
+from swamp_rl.figure_style import save, styled
 from swamp_rl.files import write_beside
 from swamp_rl.manoeuvres.analysis.figure import Result
 
@@ -29,7 +29,7 @@ def draw_trials(folder: Path, results: Sequence[Result], length: float) -> list[
             with styled(), write_beside(folder / name) as part:
                 canvas = Canvas(figsize=size_of(name, some, size), layout="constrained")
                 draw(canvas, some, length)
-                canvas.savefig(part)
+                save(canvas, part)
             names.append(name)
     return names
 
