@@ -22,11 +22,15 @@ from pathlib import Path
 from typing import IO
 from unittest.mock import patch
 
+from swamp_rl.boat import load_boat
+from swamp_rl.simulator.reference import reference_of
 from tests.support.patience import PATIENCE
 
 LIBRARIES = (
     "matplotlib.pyplot",
+    "reservoirpy.nodes",
     "scipy.optimize",
+    "scipy.stats",
     "stable_baselines3",
     "swamp_rl.criticism.diagnose",
     "swamp_rl.envs.batched",
@@ -80,6 +84,7 @@ def _serve(lines: IO[str], answers: IO[str]) -> None:
     """
     for name in LIBRARIES:
         importlib.import_module(name)
+    reference_of(load_boat("swamp"))  # what compiles and loads machine code begins, once for all forks
     gc.freeze()
     for line in lines:
         fork = get_context("fork").Process(target=_become, args=(json.loads(line),))
