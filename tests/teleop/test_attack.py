@@ -3,6 +3,7 @@
 import json
 import os
 import resource
+import runpy
 import shutil
 import subprocess
 import sys
@@ -40,12 +41,14 @@ def compiler() -> None:
     ],
 )
 def test_nothing_about_the_attack_is_unexplained(
-    part: str, words: list[str], least: int, tmp_path: Path
+    part: str, words: list[str], least: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = [sys.executable, "-m", "benchmarks.attack", part, *words, "--keep", str(tmp_path)]
-    done = subprocess.run(asked, cwd=ROOT, capture_output=True, text=True)
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr(sys, "argv", ["benchmarks.attack", part, *words, "--keep", str(tmp_path)])
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_module("benchmarks.attack", run_name="__main__")
     (kept,) = [json.loads(path.read_text()) for path in tmp_path.iterdir()]
-    assert (kept["unexplained"], done.returncode) == ([], 0), done.stderr
+    assert (kept["unexplained"], ended.value.code) == ([], 0)
     assert kept["tried"] >= least
 
 
