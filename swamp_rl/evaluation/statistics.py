@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtri
 
 from swamp_rl.constants import Z95
 
@@ -29,11 +30,15 @@ def wilson(successes: int, n: int) -> Interval:
     Unlike rate ± 1.96 standard errors it stays inside [0, 1] and keeps a width at 0 and at n successes.
     ValueError unless 0 <= successes <= n and n >= 1.
     """
-    from scipy.stats import binomtest
-
-    result = binomtest(int(successes), int(n))
-    ends = result.proportion_ci(CONFIDENCE, method="wilson")
-    return Interval(result.statistic, float(ends.low), float(ends.high), int(n))
+    successes, n = int(successes), int(n)
+    if not 0 <= successes <= n or n < 1:
+        raise ValueError(f"there are no {successes} successes of {n} episodes")
+    rate, z = successes / n, float(ndtri(ENDS[1]))
+    twice = 2.0 * (n + z**2)
+    middle = (2.0 * n * rate + z**2) / twice
+    half = z / twice * math.sqrt(4.0 * n * rate * (1.0 - rate) + z**2)
+    low, high = middle - half if successes else 0.0, middle + half if successes < n else 1.0
+    return Interval(rate, low, high, n)
 
 
 def success_difference(a: ArrayLike, b: ArrayLike) -> Interval:

@@ -1,7 +1,10 @@
 """The intervals, against published values, closed forms and their own coverage."""
 
+import sys
+
 import numpy as np
 import pytest
+from scipy.stats import binomtest
 
 from swamp_rl.evaluation.statistics import paired_difference, success_difference, wilson
 
@@ -20,6 +23,16 @@ def test_wilson_at_all_successes_is_n_over_n_plus_z_squared() -> None:
     interval = wilson(1000, 1000)
     assert interval.low == pytest.approx(1000 / (1000 + 1.959964**2), rel=1e-9)
     assert interval.high == 1.0
+
+
+def test_wilson_has_the_bits_of_scipy_whose_statistics_it_does_not_import(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pairs = [(successes, n) for n in (1, 7, 20, 263) for successes in range(n + 1)]
+    theirs = [binomtest(*pair).proportion_ci(0.95, method="wilson") for pair in pairs]
+    monkeypatch.setitem(sys.modules, "scipy.stats", None)  # half a second to import
+    ours = [wilson(*pair) for pair in pairs]
+    assert [(one.low, one.high) for one in ours] == [(one.low, one.high) for one in theirs]
 
 
 def test_wilson_refuses_more_successes_than_episodes() -> None:
