@@ -104,10 +104,13 @@ def compressed(entries: Mapping[tuple[int, int], float], rows: int, columns: int
     """
     from scipy.sparse import csc_matrix
 
-    places = np.array(sorted(entries), dtype=np.int32).reshape(-1, 2)  # there may be none
-    values = np.array([entry for _, entry in sorted(entries.items())], dtype=np.float64)
-    ends = np.searchsorted(places[:, 0], np.arange(columns + 1)).astype(np.int32)
-    return csc_matrix((values, places[:, 1], ends), shape=(rows, columns))
+    places = sorted(entries)
+    values = np.array([entries[place] for place in places], dtype=np.float64)
+    inside = np.array([row for _, row in places], dtype=np.int32)
+    starts = np.zeros(columns + 1, dtype=np.int32)
+    filled = np.array([column for column, _ in places], dtype=np.intp)  # there may be none
+    np.cumsum(np.bincount(filled, minlength=columns), out=starts[1:])
+    return csc_matrix((values, inside, starts), shape=(rows, columns))
 
 
 class Program:
