@@ -2,6 +2,7 @@
 
 import numpy as np
 from swamp_rl.envs.again import same_episode
+from swamp_rl.envs.line_of_sight_damping import suited
 from swamp_rl.experiments.artifacts.job import say
 
 from swamp_rl.boat import Boat
@@ -24,7 +25,7 @@ def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
     """
     try:
         made = None if asked.folder is None else describe_pilot(asked.folder).made
-        pilot = opened(asked)
+        pilot = suited(opened(asked), boat, step)
     except UserError as error:
         if asked.folder in shipped_folders("pilots").values():
             raise UserError(f"{str(error).rpartition(';')[0]}; install swamp-rl again") from error

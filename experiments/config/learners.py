@@ -200,9 +200,13 @@ def _scripted() -> Learner:
 def _line_of_sight() -> Learner:
     from swamp_rl.pilots.line_of_sight import LineOfSightPilot, LineOfSightSettings
 
-    return Learner(
-        LineOfSightSettings, lambda training: LineOfSightPilot(training.settings), told=lambda plan: ""
-    )
+    def train(training: Training) -> "Pilot":
+        from swamp_rl.envs.line_of_sight_damping import with_damping
+
+        scene = training.scene
+        return LineOfSightPilot(with_damping(training.settings, scene.boat, scene.experiment.step))
+
+    return Learner(LineOfSightSettings, train, told=lambda plan: "")
 
 
 def _reservoir() -> Learner:

@@ -8,6 +8,8 @@ from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked
 from swamp_rl.pilots.demonstrations import GATE
 from swamp_rl.pilots.settings import NotNegative, Settings, Share
 
+DAMPING = 0.5  # s/rad, tuned for SWAMP
+
 
 class LineOfSightSettings(Settings):
     """angle = clip(gain · bearing − damping · yaw rate, −1, 1), throttle held.
@@ -18,8 +20,8 @@ class LineOfSightSettings(Settings):
 
     gain: NotNegative = 4.0
     "Gain of the bearing [1/rad]."
-    damping: NotNegative = 0.5
-    "Gain of the yaw rate [s/rad]."
+    damping: NotNegative | None = None
+    "Gain of the yaw rate [s/rad]; by default the boat's (`envs.line_of_sight_damping`), SWAMP's for none."
     lead: Share = 0.6
     "The aim lies this share of the remaining distance before the gate; 0 is the gate itself."
     beyond: NotNegative = 0.0
@@ -36,6 +38,7 @@ class LineOfSightPilot:
     def __init__(self, settings: LineOfSightSettings | None = None) -> None:
         """settings: gains and the point aimed at."""
         self.options = settings or LineOfSightSettings()
+        self._damping = DAMPING if self.options.damping is None else self.options.damping
 
     def reset(self, n: int) -> None:
         """Do nothing: there is no internal state."""
@@ -53,7 +56,7 @@ class LineOfSightPilot:
         to_go = np.maximum(ahead * cos + starboard * sin, 0.0)
         shift = o.beyond - o.lead * to_go
         bearing = np.arctan2(starboard + shift * sin, ahead + shift * cos)
-        angle = o.gain * bearing - o.damping * yaw_rate
+        angle = o.gain * bearing - self._damping * yaw_rate
         return np.clip(np.stack([np.full(len(angle), o.throttle), angle], axis=1), LOWEST, HIGHEST)
 
     def settings(self) -> dict[str, Any]:
