@@ -3,13 +3,15 @@
 import fcntl
 import os
 import shutil
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from itertools import zip_longest
 from pathlib import Path
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import UNFINISHED, flush, flush_whole, os_error, write_beside
-from swamp_rl.replacement import list_written, refuse_to_replace
+from swamp_rl.replacement import TOLD, list_written, refuse_to_replace
 
 
 @contextmanager
@@ -51,15 +53,14 @@ def taken_up(
     path: Path | str,
     replaces: Collection[str],
     description: Mapping[str, bytes],
-    say: Callable[[str], None] = lambda line: None,
 ) -> Iterator[Path]:
     """Yield a hidden sibling of folder `path`, `.part-NAME`, renamed to `path` once the block has ended well.
 
     What an earlier life of the same job left in it is still there: the job is the same where the files of
-    `description`, which are written into it by relative path, hold the same bytes; otherwise it is emptied,
-    and `say` hears so. Files that were being written (`write_beside`, `folder_beside`) are removed. However
-    the block ends, what it has made is left for the next life; only one refused by UserError before it made
-    anything leaves nothing.
+    `description`, text that is written into it by relative path, hold the same bytes. UserError where
+    another job has finished anything in it, which stays; otherwise it is emptied. Files that were being
+    written (`write_beside`, `folder_beside`) are removed. However the block ends, what it has made is left
+    for the next life; only one refused by UserError before it made anything leaves nothing.
 
     An existing `path` that is not empty is replaced only if it holds one of the files named `replaces`, and
     nothing that came or changed since it was written. UserError where it does not, and where another process
@@ -73,11 +74,11 @@ def taken_up(
             _recover(old, path)
             refuse_to_replace(path, replaces)  # again: another process may have ended since
             there = _state(path)
-            _begin(part, description, say)
+            _begin(part, description)
             try:
                 yield part
             except UserError:
-                if not _made(part, description):
+                if not _finished(part, description):
                     shutil.rmtree(part, ignore_errors=True)
                 raise
             try:
@@ -174,9 +175,9 @@ def _remove(path: Path) -> None:
     shutil.rmtree(path, ignore_errors=True)
 
 
-def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], None]) -> None:
-    """Empty `part` if it belongs to another job, otherwise clear away what was being written to it, and all
-    links: no job makes any, and what is written must stay here."""
+def _begin(part: Path, description: Mapping[str, bytes]) -> None:
+    """Clear away what was being written to `part`, what is of another job, and all links: no job makes any,
+    and what is written must stay here. UserError where another job has finished anything in it."""
     if part.is_symlink():
         part.unlink()
     part.mkdir(exist_ok=True)
@@ -186,11 +187,15 @@ def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], No
         )
     for link in [found for found in part.rglob("*") if found.is_symlink()]:
         link.unlink()
-    found = {name: (part / name).read_bytes() for name in description if (part / name).is_file()}
-    if any(description[name] != held for name, held in found.items()):
-        say(f"{part}: was made with another configuration or version; started again")
-        for entry in part.iterdir():
-            shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
+    other = _differences(part, description)
+    if other and (finished := _finished(part, description)):
+        raise UserError(
+            f"{part}: holds unfinished work ({', '.join(finished[:TOLD])}) of another configuration or "
+            f"version ({'; '.join(other[:TOLD])}); repeat the earlier command to resume it, name another "
+            "folder, or remove this one to start over"
+        )
+    for entry in list(part.iterdir()) if other else ():
+        shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
     for prefix in UNFINISHED:
         for leftover in list(part.rglob(f"{prefix}*")):
             shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink(missing_ok=True)
@@ -200,10 +205,29 @@ def _begin(part: Path, description: Mapping[str, bytes], say: Callable[[str], No
                 file.write_bytes(held)
 
 
-def _made(part: Path, description: Mapping[str, bytes]) -> bool:
-    """Whether anything but the description is whole in `part`."""
-    own = {Path(name).parts[0] for name in description}
-    return any(entry.name not in own and not entry.name.startswith(UNFINISHED) for entry in part.iterdir())
+def _differences(part: Path, description: Mapping[str, bytes]) -> list[str]:
+    """For each file of `description` that holds something else in `part`, its first line that differs."""
+    found = []
+    for name, now in description.items():
+        held = (part / name).read_bytes() if (part / name).is_file() else now
+        if held != now:
+            texts = (text.decode(errors="replace").splitlines() for text in (held, now))
+            old, new = next(
+                (pair for pair in zip_longest(*texts, fillvalue="") if pair[0] != pair[1]), ("", "")
+            )
+            found.append(f"{name}: there {clipped(old.strip(' ,'))!r}, now {clipped(new.strip(' ,'))!r}")
+    return found
+
+
+def _finished(part: Path, description: Mapping[str, bytes]) -> list[str]:
+    """Names in `part` of what is whole, but for the description; hidden ones last."""
+    files = (path.relative_to(part) for path in part.rglob("*") if path.is_file())
+    whole = {
+        file.parts[0]
+        for file in files
+        if file.as_posix() not in description and not any(name.startswith(UNFINISHED) for name in file.parts)
+    }
+    return sorted(whole, key=lambda name: (name.startswith("."), name))
 
 
 State = tuple[int, int, tuple[str, ...]]

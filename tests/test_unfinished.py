@@ -47,13 +47,34 @@ def test_the_same_job_finds_what_was_finished_and_nothing_half_written(tmp_path:
     assert names(tmp_path) == ["out/config/it.yaml", "out/done"]
 
 
-def test_another_job_begins_anew_and_says_so(tmp_path: Path) -> None:
+OTHER = {"config/it.yaml": b"a: 2\n"}
+
+
+def test_what_another_job_has_finished_is_kept_and_the_difference_told(tmp_path: Path) -> None:
     interrupted(tmp_path / "out")
-    said: list[str] = []
-    with taken_up(tmp_path / "out", (), {"config/it.yaml": b"a: 2\n"}, said.append) as part:
-        assert not (part / "done").exists()
-    assert len(said) == 1 and "started again" in said[0]
-    assert (tmp_path / "out" / "config" / "it.yaml").read_bytes() == b"a: 2\n"
+    with pytest.raises(UserError) as told, taken_up(tmp_path / "out", (), OTHER):
+        pytest.fail("no work may be done")
+    for words in (
+        ".part-out: holds unfinished work (done)",
+        "config/it.yaml: there 'a: 1', now 'a: 2'",
+        "repeat the earlier command",
+    ):
+        assert words in str(told.value)
+    assert "\n" not in str(told.value)
+    with taken_up(tmp_path / "out", (), SAME) as part:
+        assert (part / "done").read_text() == "done"
+
+
+def test_another_job_begins_where_nothing_was_finished(tmp_path: Path) -> None:
+    with pytest.raises(KeyboardInterrupt), taken_up(tmp_path / "out", (), SAME) as part:
+        (part / "pilots").mkdir()
+        (part / "pilots" / ".new-net").mkdir()
+        (part / "pilots" / ".new-net" / "half").write_text("ha")
+        raise KeyboardInterrupt
+    with taken_up(tmp_path / "out", (), OTHER):
+        pass
+    assert names(tmp_path) == ["out/config/it.yaml"]
+    assert (tmp_path / "out" / "config" / "it.yaml").read_bytes() == OTHER["config/it.yaml"]
 
 
 def test_an_earlier_result_stays_until_a_whole_one_replaces_it(tmp_path: Path) -> None:

@@ -30,7 +30,7 @@ def job(
     trained: a folder whose data and pilots are taken over where they are not there yet. replaces: the marks
     of folders that may be replaced. Linear algebra has one thread meanwhile, for the same bits everywhere.
     """
-    with one_thread(), taken_up(folder, replaces, description(scene), say) as part, stages() as bars:
+    with one_thread(), taken_up(folder, replaces, description(scene)) as part, stages() as bars:
         if trained is not None:
             _take_over(trained, part)
         yield part, bars.logged_in(part / WORK / SECONDS)

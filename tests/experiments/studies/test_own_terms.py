@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -188,8 +189,8 @@ def test_a_result_with_an_own_pilot_and_an_own_term_is_evaluated_where_both_are_
 
 
 @pytest.mark.usefixtures("no_figures")
-def test_an_interrupted_run_begins_anew_where_the_code_of_an_own_pilot_has_changed(
-    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_an_interrupted_run_does_not_resume_where_the_code_of_an_own_pilot_has_changed(
+    place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def stopped(*_: Any) -> None:
         raise KeyboardInterrupt
@@ -197,8 +198,10 @@ def test_an_interrupted_run_begins_anew_where_the_code_of_an_own_pilot_has_chang
     with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
         patched.setattr("swamp_rl.experiments.studies.main.gather", stopped)
         run_experiment(with_own_pilot(place, 0.5), out=place / "out")
+    with pytest.raises(UserError, match=r"unfinished work.*versions\.json: there '\"own code"):
+        run_experiment(with_own_pilot(place, 0.25), out=place / "out")
+    shutil.rmtree(place / ".part-out")
     out = run_experiment(with_own_pilot(place, 0.25), out=place / "out")
-    assert "started again" in capsys.readouterr().err
     held = json.loads((out / "versions.json").read_text())
     sources = {name: (place / f"{name}.py").read_bytes() for name in ("their_pilot", "their_terms")}
     assert {name: held[f"own code {name}"] for name in sources} == {

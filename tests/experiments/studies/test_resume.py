@@ -52,18 +52,20 @@ def test_what_is_finished_is_not_done_again(tmp_path: Path, monkeypatch: pytest.
     assert {"record runs", "train net", "evaluate net, calm"} <= seconds.keys()
 
 
-def test_a_changed_configuration_begins_anew_and_says_so(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_a_mistyped_override_loses_nothing_that_was_finished(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = write_tiny(tmp_path, "scripted")
     with monkeypatch.context() as patched:
         patched.setattr(main_job, "gather", stopped)
         with pytest.raises(KeyboardInterrupt):
             run_experiment(path, out=tmp_path / "out")
-    run_experiment(path, ["evaluation.seed=7"], tmp_path / "out")
-    assert "started again" in capsys.readouterr().err
-    again = run_experiment(path, ["evaluation.seed=7"], tmp_path / "other")
-    assert content(tmp_path / "out") == content(again)
+    with pytest.raises(UserError) as told:
+        run_experiment(path, ["evaluation.seed=7"], tmp_path / "out")
+    assert "holds unfinished work (data, " in str(told.value)
+    assert "config/experiment.yaml: there 'seed: 1', now 'seed: 7'" in str(told.value)
+    monkeypatch.setattr(learn, "record_scripted", stopped)
+    run_experiment(path, out=tmp_path / "out")
 
 
 def test_a_second_command_on_the_same_folder_is_refused(tmp_path: Path) -> None:
