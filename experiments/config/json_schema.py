@@ -38,7 +38,9 @@ def schema() -> Schema:
     parts["any pilot"] = _pilot_that_extends(plan)
     parts["pilot"] = _pilot_by_kind()
     pilots = whole["properties"]["pilots"]
-    pilots["patternProperties"] = dict.fromkeys(pilots["patternProperties"], _ref("pilot"))
+    pilots["patternProperties"] = {
+        name: {"anyOf": [_ref("pilot"), {"type": "null"}]} for name in pilots["patternProperties"]
+    }
     pilots["additionalProperties"] = False
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",

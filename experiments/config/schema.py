@@ -131,6 +131,13 @@ def senses_in(options: Any) -> Iterator[Sequence[str]]:
             yield from senses_in(value)
 
 
+def _left(pilots: Any) -> Any:
+    """The pilots without those set to null."""
+    if not isinstance(pilots, dict):
+        return pilots
+    return {name: plan for name, plan in pilots.items() if plan is not None}
+
+
 class Evaluation(Part):
     """The same `episodes` for every pilot at every level; `shown` of them are drawn in the report."""
 
@@ -206,7 +213,10 @@ class Experiment(Part):
     bounds: dict[Edge, float] = {}
     depth: Depth | None = None
     data: Data = Data()
-    pilots: Annotated[dict[Name, PilotPlan], Field(min_length=1), BeforeValidator(_few)]
+    pilots: Annotated[
+        dict[Name, PilotPlan], Field(min_length=1), BeforeValidator(_few), BeforeValidator(_left)
+    ]
+    "By name; null drops one of the experiment that this one extends, and its targets."
     evaluation: Evaluation
     targets: Targets = Targets()
     hidden: Hidden | None = None

@@ -221,6 +221,30 @@ def test_a_target_given_beside_the_levels_and_at_none_of_them_is_refused(tmp_pat
     assert "targets.success.net: level 'calm' is not in evaluation.levels" in complaint(file, *asked)
 
 
+def test_a_pilot_set_to_null_is_dropped_with_its_targets() -> None:
+    left = load_experiment("camogli", ["pilots.ppo=null"])
+    assert "ppo" not in left.pilots and len(left.pilots) == 5
+    assert list(left.targets.success) == ["reservoir", "cloning"]
+    assert left.targets.smoother_than_data == ("reservoir", "cloning")
+
+
+@pytest.mark.parametrize(
+    ("overrides", "told"),
+    [
+        (
+            ["pilots.pppo=null"],
+            "--set pilots.pppo=null: pilots.pppo: no such pilot to drop; did you mean 'ppo'?",
+        ),
+        (["pilots.ppo=null", "targets.success.ppo.calm=0.5"], "targets: no pilot 'ppo'"),
+        (["pilots.ppo=null", "pilots.ppo.runs=5"], "pilots.ppo.kind: is missing"),
+    ],
+)
+def test_a_pilot_that_cannot_be_dropped_is_told(overrides: list[str], told: str) -> None:
+    with pytest.raises(UserError) as error:
+        load_experiment("camogli", overrides)
+    assert told in str(error.value)
+
+
 def test_a_target_set_to_null_is_dropped(tmp_path: Path) -> None:
     file = write(tmp_path, SMALL.replace("[calm]", "[calm, severe]") + TARGETS)
     without = load_experiment(file, ["targets.success.net.calm=null"])
