@@ -6,11 +6,13 @@ from typing import Annotated, Any
 
 import typer
 from swamp_rl.experiments.cli.options import seed_option
+from swamp_rl.experiments.cli.outputs import mark_of, refuse_to_replace
 
 from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 
 FOLDER, PAGE = Path("comparison"), Path("leaderboard.html")
+DATA = "compare.json"
 
 
 def compare(
@@ -38,22 +40,24 @@ def compare(
     if leaderboard is not None:
         from swamp_rl.experiments.reports.leaderboard import gather, page
 
+        place = out or PAGE
+        refuse_to_replace(str(place), place, [leaderboard])
         found = gather(leaderboard, seed)
-        write_text(out or PAGE, page(found))
+        write_text(place, page(found, mark_of(leaderboard)))
         for line in found.left_out:
             typer.echo(f"left out: {line}")
-        typer.echo(f"{out or PAGE}: {counted(len(found.rows), 'row')} of {counted(found.folders, 'result')}")
+        typer.echo(f"{place}: {counted(len(found.rows), 'row')} of {counted(found.folders, 'result')}")
         return
     from swamp_rl.experiments.evaluation.comparison import compare as compared
     from swamp_rl.experiments.reports.comparison import report
 
-    comparison = compared(results or [], seed)
+    from swamp_rl.unfinished import folder_beside
+
     folder = out or FOLDER
-    for name, text in (
-        ("compare.json", json.dumps(comparison, indent=2, allow_nan=False) + "\n"),
-        ("compare.md", report(comparison)),
-    ):
-        write_text(folder / name, text)
+    with folder_beside(folder, replaces=DATA) as part:
+        comparison = compared(results or [], seed)
+        write_text(part / DATA, json.dumps(comparison, indent=2, allow_nan=False) + "\n")
+        write_text(part / "compare.md", report(comparison))
     print_comparison(comparison)
     typer.echo(f"{folder}: compare.md, compare.json")
 

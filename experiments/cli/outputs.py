@@ -34,12 +34,12 @@ def refuse_suffix(option: str, path: Path | None, *suffixes: str) -> None:
 
 
 def mark_of(source: Path) -> str:
-    """The text by which a picture is known to be an earlier one of this file or folder."""
+    """The text by which a picture or page is known to be an earlier one of this file or folder."""
     return f"swamp-rl {hashlib.sha256(str(source.resolve()).encode()).hexdigest()}"
 
 
 def refuse_to_replace(told: str, path: Path, read: Iterable[Path]) -> None:
-    """UserError for a file that is there, but for an earlier picture of one of those that are read."""
+    """UserError for a file that is there, but for an earlier picture or page of one of those read."""
     if not path.is_file():
         return  # a folder, a device such as /dev/stdout, or nothing
     if any(one.is_file() and one.samefile(path) for one in read):

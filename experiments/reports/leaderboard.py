@@ -168,8 +168,11 @@ for (const button of document.querySelectorAll("th button")) button.addEventList
 """
 
 
-def page(board: Board) -> str:
-    """The page as HTML; nothing in it is loaded from elsewhere, and every name is text."""
+def page(board: Board, mark: str = "") -> str:
+    """The page as HTML; nothing in it is loaded from elsewhere, and every name is text.
+
+    mark: by which it is known later.
+    """
     parts = [
         "<h1>Leaderboard</h1><p>One row for each pilot at each level of disturbance. With one training seed "
         "the interval is Wilson's, over the episodes of that one trained pilot; with several, success is the "
@@ -182,7 +185,8 @@ def page(board: Board) -> str:
     if board.left_out:
         lines = "".join(f"<li>{html.escape(line)}</li>" for line in board.left_out)
         parts.append(f"<h2>Left out</h2><ul>{lines}</ul>")
-    head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    head = f'<meta charset="utf-8"><meta name="generator" content="{mark}">'
+    head += '<meta name="viewport" content="width=device-width">'
     head += f"<title>Leaderboard</title><style>{STYLE}</style>"
     body = "".join(parts) + f"<script>{SCRIPT}</script>"
     return f'<!doctype html><html lang="en"><head>{head}</head><body>{body}</body></html>\n'

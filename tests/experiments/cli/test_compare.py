@@ -51,3 +51,28 @@ def test_results_or_a_leaderboard_is_asked_for_but_not_both(asked: list[str]) ->
     run = CliRunner().invoke(app, ["compare", *asked])
     assert isinstance(run.exception, UserError)
     assert "not both" in str(run.exception)
+
+
+def test_an_earlier_comparison_is_replaced_only_if_nothing_in_it_was_changed(tmp_path: Path) -> None:
+    one = folder_of(tmp_path / "one", {"reservoir": np.arange(50) < 45})
+    out = tmp_path / "out"
+    asked = ["compare", str(one), "--out", str(out)]
+    for _ in range(2):
+        assert CliRunner().invoke(app, asked).exit_code == 0
+    (out / "compare.md").write_text("my notes")
+    run = CliRunner().invoke(app, asked)
+    assert isinstance(run.exception, UserError)
+    assert "is not replaced, as compare.md in it came or changed" in str(run.exception)
+    assert (out / "compare.md").read_text() == "my notes"
+
+
+def test_a_page_is_replaced_only_by_one_of_the_same_folder(tmp_path: Path) -> None:
+    folder_of(tmp_path / "results" / "one", {"reservoir": np.ones(9)})
+    folder_of(tmp_path / "others" / "one", {"ppo": np.ones(9)})
+    page = tmp_path / "page.html"
+    for _ in range(2):
+        asked = ["compare", "--leaderboard", str(tmp_path / "results"), "--out", str(page)]
+        assert CliRunner().invoke(app, asked).exit_code == 0
+    run = CliRunner().invoke(app, ["compare", "--leaderboard", str(tmp_path / "others"), "--out", str(page)])
+    assert isinstance(run.exception, UserError)
+    assert "already exists" in str(run.exception)
