@@ -49,6 +49,8 @@ from swamp_rl.own_code import fault_in_own_code
 BAD_INPUT, INTERRUPTED, UNEXPECTED = 2, 130, 70
 STOPPED = {128 + number: word for number, word in ENDED.items()}
 """What is said of a verb that a signal has ended, by its exit code."""
+RESUMABLE = [["run"], ["train"], ["evaluate"], ["sweep"], ["fleet"]]
+"""Verbs that go on from what an interrupted life of the same command has left."""
 DEBUG = "SWAMP_RL_DEBUG"
 NAME = "swamp-rl"
 NUMBA_SETTINGS, FIGURE_SETTINGS = ".numba_config.yaml", "matplotlibrc"
@@ -232,12 +234,18 @@ def main(stopped: Callable[[int], Any] = sys.exit) -> None:
             line = line or ("" if code else "ended in order")
             code = 128 + signals[0]  # whatever became of the exception on its way
         if code in STOPPED:
-            line = f"{STOPPED[code]}; {line or 'only what was finished is kept'}"
+            line = f"{STOPPED[code]}; {line or _kept(sys.argv[1:])}"
         if line:
             _complain(line)
         if code in STOPPED:
             stopped(code)
     sys.exit(code)
+
+
+def _kept(words: list[str]) -> str:
+    """What is left of the work of a command line that a signal has ended."""
+    resumed = "; the same command resumes" if _verb(words)[:1] in RESUMABLE else ""
+    return f"only what was finished is kept{resumed}"
 
 
 def _verb(words: list[str]) -> list[str]:
