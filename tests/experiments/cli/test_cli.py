@@ -295,16 +295,6 @@ def test_an_interrupted_verb_is_one_line_with_the_usual_exit_code(
     assert not Path("a.csv").exists()
 
 
-def test_ctrl_c_tells_where_the_same_command_resumes(
-    call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("swamp_rl.experiments.studies.run.load_experiment", raising(KeyboardInterrupt()))
-    kept = "swamp-rl: interrupted; only what was finished is kept"
-    assert call("run", "smoke")[2] == f"{kept}; the same command resumes\n"
-    monkeypatch.setattr(os, "fsync", raising(KeyboardInterrupt()))
-    assert call("simulate", "--commands", folder / "one.csv", "--out", "a.csv")[2] == f"{kept}\n"
-
-
 def test_ctrl_c_while_the_verbs_are_imported_is_one_line(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -15,6 +15,7 @@ from swamp_rl.experiments.cli import signals
 from swamp_rl.experiments.cli.signals import heed_no_more, stoppable
 
 from swamp_rl.workers.signals import held
+from tests.support.command_line import Call
 from tests.support.pages import ROOT
 from tests.support.patience import PATIENCE, until
 
@@ -182,6 +183,21 @@ def alive(number: int) -> bool:
     with suppress(psutil.NoSuchProcess):
         return psutil.Process(number).status() != psutil.STATUS_ZOMBIE
     return False
+
+
+@pytest.mark.parametrize(
+    ("words", "told"), [(["run", "smoke"], "; the same command resumes"), (["bench"], "")]
+)
+def test_ctrl_c_tells_whether_the_same_command_resumes(
+    words: list[str], told: str, call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("swamp_rl.experiments.studies.run.run_experiment", interrupted)
+    monkeypatch.setattr("swamp_rl.experiments.studies.speed.run_bench", interrupted)
+    line = call(*words)[2]
+    assert line == f"swamp-rl: interrupted; only what was finished is kept{told}\n"
 
 
 @pytest.mark.timed
