@@ -86,9 +86,10 @@ def rows(sweep: Sweep, trials: Sequence[Mapping[str, Any]], measured: Mapping[st
 
     def outcome(trial: Mapping[str, Any]) -> list[str]:
         if trial["summary"] is None:
-            return ["failed", measured[str(trial["trial"])]["error"]]
+            told = ["failed", measured[str(trial["trial"])]["error"]]
+            return told if _measures(sweep) else [": ".join(told)]
         value = "—" if trial["value"] is None else f"{trial['value']:.4g}"
-        return [value, rate(trial["summary"])]
+        return [*(value for _ in _measures(sweep)), rate(trial["summary"])]
 
     return [
         [str(trial["trial"]), *(str(value) for value in trial["values"].values()), *outcome(trial)]
@@ -96,8 +97,13 @@ def rows(sweep: Sweep, trials: Sequence[Mapping[str, Any]], measured: Mapping[st
     ]
 
 
+def _measures(sweep: Sweep) -> list[str]:
+    """What the table has a column of beside the success."""
+    return [] if sweep.objective.measure == "success" else [sweep.objective.measure]
+
+
 def _page(sweep: Sweep, found: Mapping[str, Any]) -> str:
-    head = ["trial", *sweep.parameters, sweep.objective.measure, "success, percent"]
+    head = ["trial", *sweep.parameters, *_measures(sweep), "success, percent"]
     best = found["best"]
     lines = [
         f"# {sweep.name}: {objective_line(sweep)}",

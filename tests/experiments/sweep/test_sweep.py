@@ -98,8 +98,15 @@ def test_what_fails_is_tried_again_and_then_recorded_as_failed(tmp_path: Path) -
     assert [trial.attempts for trial in trials.values()] == [1, 1, 1, 3, 3, 3, 1, 1, 1]
     assert {trial.error for trial in trials.values()} == {None, "ValueError: never works"}
     write_report(tmp_path, sweep_of(), [], trials)
-    assert "| failed | ValueError: never works |" in (tmp_path / "sweep.md").read_text()
+    assert "| failed: ValueError: never works |" in (tmp_path / "sweep.md").read_text()
     assert json.loads((tmp_path / "sweep.json").read_text())["failed"] == 3
+
+
+@pytest.mark.parametrize(("measure", "columns"), [("success", "b"), ("energy", "b | energy")])
+def test_the_table_has_success_once(tmp_path: Path, measure: str, columns: str) -> None:
+    sweep = sweep_of(objective={"pilot": "reservoir", "level": "calm", "measure": measure})
+    write_report(tmp_path, sweep, [], swept(tmp_path / "s", sweep, PoolHere(sweep_trials.formula, 1, 0)))
+    assert f"| trial | a | {columns} | success, percent |" in (tmp_path / "sweep.md").read_text()
 
 
 def test_trials_are_counted_from_one_wherever_they_are_reported(
