@@ -111,7 +111,8 @@ def _of_pilots(
         told: dict[str, Any] = {"name": "evaluation", "description": "", "hidden": None, "claims": None}
         told["targets"] = Targets()
         if home is not None and (home / "data").is_dir():
-            told["data"] = base.data.model_copy(update={"folder": str(home / "data"), "sha256": None})
+            runs = str((home / "data").resolve())
+            told["data"] = base.data.model_copy(update={"folder": runs, "sha256": None})
         bare = base.model_copy(update=told | {"pilots": {}})
         experiment = overridden("evaluate", bare, {**asked, "pilots": plans}, overrides)
         return evaluated(experiment, "evaluate", out, None)
@@ -150,10 +151,12 @@ def _is_pilot(folder: Path) -> bool:
 def _home(folder: Path) -> Path | None:
     """The folder of results that this is, or that holds this pilot's folder or configuration."""
     config = kept_config(folder)
-    if config is not None:
-        return config.resolve().parent
-    home = folder.resolve().parent.parent
-    return home if (home / CONFIG / EXPERIMENT).is_file() else None
+    home = folder.resolve().parent.parent if config is None else config.resolve().parent
+    if config is None and not (home / CONFIG / EXPERIMENT).is_file():
+        return None
+    here = Path.cwd()
+    below = not folder.is_absolute() and home != here and home.is_relative_to(here)
+    return home.relative_to(here) if below else home
 
 
 def restricted(experiment: Experiment, names: Sequence[str]) -> Experiment:

@@ -112,6 +112,14 @@ def test_other_episodes_are_evaluated_beside_and_with_the_same_pilots(place: Pat
     assert (out / weights).read_bytes() == (place / "run" / weights).read_bytes()
 
 
+def test_results_named_from_here_are_told_from_here(
+    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(place)
+    assert evaluate_folders(["run"], {"episodes": 2}) == Path("run-evaluation")
+    assert "see run-evaluation/report.md" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("ask", [({"levels": ["calm"]}, []), ({}, ["evaluation.levels=[calm]"])])
 def test_at_some_of_the_levels_the_targets_are_those_of_these_levels(
     place: Path, tmp_path: Path, ask: tuple[dict[str, Any], list[str]]
