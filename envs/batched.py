@@ -11,7 +11,7 @@ from swamp_rl.envs.fleet import Fleet
 from swamp_rl.envs.kernel import CUT, RUNNING
 from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
 from swamp_rl.envs.supply import Supply
-from swamp_rl.envs.task import MOST_STEPS, Task, TaskArguments
+from swamp_rl.envs.task import MOST_STEPS, Task, TaskArguments, refuse_unknown
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
@@ -44,6 +44,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         **task: Unpack[TaskArguments],
     ) -> None:
+        refuse_unknown(task, ("num_envs", "render_mode", "autoreset_mode"))
         if isinstance(num_envs, bool) or not isinstance(num_envs, int) or not 1 <= num_envs <= MOST_BOATS:
             raise UserError(f"num_envs: must be a whole number from 1 to {MOST_BOATS}, not {num_envs!r}")
         self.num_envs = num_envs

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Fleet
 from swamp_rl.envs.kernel import CUT
 from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
-from swamp_rl.envs.task import Task, TaskArguments
+from swamp_rl.envs.task import Task, TaskArguments, refuse_unknown
 
 from swamp_rl.errors import UserError
 
@@ -35,6 +35,7 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012  as Gymnasium
 
     def __init__(self, *, render_mode: str | None = None, **task: Unpack[TaskArguments]) -> None:
+        refuse_unknown(task, ("render_mode",))
         self.render_mode = known_render_mode(render_mode)
         self.task = Task.read(**task)
         self.fleet = Fleet(1, self.task)

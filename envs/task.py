@@ -86,9 +86,7 @@ class Task:
     @classmethod
     def read(cls, **given: Unpack[TaskArguments]) -> Self:
         """UserError for an unknown argument, for what cannot be read, and for what does not fit."""
-        for name in given:
-            if name not in TaskArguments.__annotations__:
-                raise UserError(f"unknown argument {name!r}{nearest(name, TaskArguments.__annotations__)}")
+        refuse_unknown(given)
         boat, course = given.get("boat", "swamp"), given.get("course", "camogli")
         boat = boat if isinstance(boat, Boat) else load_boat(boat)
         course = course if isinstance(course, Course) else load_course(course)
@@ -115,6 +113,14 @@ class Task:
                 (weight, own_term("reward", name)) for name, weight in weights.items() if name not in DEFAULTS
             ),
         )
+
+
+def refuse_unknown(given: Mapping[str, Any], further: Sequence[str] = ()) -> None:
+    """UserError for an argument by a name that neither a task nor, as `further`, its environment has."""
+    known = (*TaskArguments.__annotations__, *further)
+    for name in given:
+        if name not in known:
+            raise UserError(f"unknown argument {name!r}{nearest(name, known)}")
 
 
 def _checked_step(step: Any) -> float:

@@ -248,8 +248,11 @@ def _known(kind: str) -> str:
     return ", ".join(config_names(kind)) or f"(none in {_configs() / kind})"
 
 
-def read_yaml(path: Path | str) -> dict[str, Any]:
-    """The mapping a YAML file holds; UserError with file and line if missing, malformed or no mapping."""
+def read_yaml(path: Path | str, of: str = "") -> dict[str, Any]:
+    """The mapping a YAML file holds; UserError with file and line if missing, malformed or no mapping.
+
+    of: the end of the complaint about what is no mapping.
+    """
     path = Path(path)
     try:
         data = parsed(_read_text(path))
@@ -263,7 +266,7 @@ def read_yaml(path: Path | str) -> dict[str, Any]:
         problem = clipped(" ".join(str(getattr(error, "problem", None) or error).split()), 200)
         raise UserError(f"{path}:{line} malformed YAML: {problem}{remedy(problem)}") from error
     if not isinstance(data, dict):
-        raise UserError(f"{path}: holds {_kind_of(data)}; it must be a mapping of keys to values")
+        raise UserError(f"{path}: holds {_kind_of(data)}; it must be a mapping of keys to values{of}")
     odd = [key for key in data if not isinstance(key, str)]
     if odd:
         raise UserError(f"{path}: key {clipped(repr(odd[0]))} is not text; put it in quotes")

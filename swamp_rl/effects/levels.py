@@ -21,6 +21,7 @@ from swamp_rl.files import find_config, read_yaml
 
 START = {"north": "m", "east": "m", "heading": "rad"}
 KEYS = ("description", "start", "effects", "correlated")
+OF_LEVEL = ", its effects a list below the key effects"
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ def load_disturbances(
         return _level("none", "no disturbances", {}, thruster_names)
     if isinstance(source, str | Path):
         path = find_config("disturbances", source)
-        given = fitted_level(read_yaml(path), str(path), size, thruster_names)
+        given = fitted_level(read_yaml(path, OF_LEVEL), str(path), size, thruster_names)
         return _level(path.stem, str(path), given, thruster_names)
     return _level("effects", "disturbances", {"effects": source}, thruster_names)
 
@@ -103,7 +104,7 @@ def read_level(
     `load_disturbances`.
     """
     path = find_config("disturbances", source)
-    given = read_yaml(path)
+    given = read_yaml(path, OF_LEVEL)
     names = thruster_names or _thrusters_named(given.get("effects"))
     fitted = fitted_level(given, str(path), size, names)
     return fitted, _level(path.stem, str(path), fitted, names)

@@ -211,7 +211,8 @@ def model_file(file: str, sha256: str | None = None) -> bytes:
     try:
         content = contents(file)
     except OSError as error:
-        raise UserError(f"{file}: {error.strerror}; name the file of a model") from error
+        whole = f"{file}.zip" if Path(f"{file}.zip").is_file() else "the file of a model"
+        raise UserError(f"{file}: {error.strerror}; name {whole}") from error
     found = hashlib.sha256(content).hexdigest()
     if sha256 not in (None, found):
         raise UserError(f"{file}: is no longer the model of sha256 {sha256}; bring it back, or drop the key")

@@ -12,6 +12,7 @@ import numpy as np
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.files import shipped_folders
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.own_code import is_code, refuse_unnamed
 from swamp_rl.pilots.arrays import Array, owned
@@ -68,8 +69,13 @@ def save_pilot(
 
 
 def load_pilot(folder: Path | str) -> Pilot:
-    """The pilot stored in `folder`, ready to be reset; UserError where it is missing, damaged or changed."""
+    """The pilot stored in `folder`, ready to be reset; UserError where it is missing, damaged or changed.
+
+    A name of which there is no folder is that of a pilot that comes with the package.
+    """
     folder = Path(folder)
+    if not folder.exists():
+        folder = shipped_folders("pilots").get(str(folder), folder)
     description = describe_pilot(folder)
     refuse_unnamed(description.senses, f"{folder}: the pilot observes")
     weights = _read_weights(folder / WEIGHTS, description)
@@ -89,7 +95,9 @@ def describe_pilot(folder: Path | str) -> Description:
     try:
         return unsealed(path, contents(path, MOST_JSON))
     except OSError as error:
-        raise UserError(f"{path}: {error.strerror}; name a folder that holds a pilot") from error
+        inside = [str(file.parent) for file in sorted(Path(folder).glob(f"pilots/*/{DESCRIPTION}"))]
+        named = ", ".join(inside) or "a folder that holds a pilot"
+        raise UserError(f"{path}: {error.strerror}; name {named}") from error
 
 
 def _read_weights(path: Path, description: Description) -> dict[str, Array]:

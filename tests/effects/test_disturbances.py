@@ -239,3 +239,9 @@ def test_a_wrong_level_file_is_refused_by_file_and_key(tmp_path: Path, text: str
 def test_a_level_that_does_not_exist_is_answered_with_those_that_do() -> None:
     message = refused("standrad")
     assert "did you mean 'standard'?" in message
+
+
+def test_a_file_that_is_a_list_of_effects_is_told_its_key(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text("- {effect: wind, speed: 1.0}\n")
+    with pytest.raises(UserError, match=r"holds a list; .*its effects a list below the key effects"):
+        load_disturbances(tmp_path / "mine.yaml", ())

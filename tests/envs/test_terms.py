@@ -232,6 +232,16 @@ def test_a_wrong_term_weight_or_limit_is_one_line(arguments: dict[str, Any], tol
 
 
 @pytest.mark.parametrize(
+    ("make", "own"),
+    [(GatesEnv, ["render_mode"]), (GatesVectorEnv, ["num_envs", "render_mode", "autoreset_mode"])],
+)
+def test_the_known_arguments_hold_those_of_the_environment_itself(make: Any, own: list[str]) -> None:
+    with pytest.raises(UserError, match="unknown argument 'x'") as error:
+        make(x=1)
+    assert all(name in str(error.value) for name in ("max_episode_steps", *own))
+
+
+@pytest.mark.parametrize(
     ("arguments", "told"),
     [
         ({"reward": {named("wide"): 1.0}}, r"wide: gave the shape \(1, 3\) of float64, \(1,\) of numbers"),

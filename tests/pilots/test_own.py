@@ -253,6 +253,8 @@ def test_what_is_no_model_and_a_model_that_was_changed_are_refused(place: Path) 
         opened(asked_pilot(f"sb3:{place}/model.zip"))
     with pytest.raises(UserError, match=r"nowhere\.zip: No such file"):
         asked_pilot("sb3:nowhere.zip")
+    with pytest.raises(UserError, match=r"model: No such file or directory; name .*model\.zip"):
+        asked_pilot(f"sb3:{place}/model")
     other = hashlib.sha256(b"another").hexdigest()
     with pytest.raises(UserError, match="is no longer the model"):
         own.model_file(str(place / "model.zip"), other)

@@ -20,6 +20,7 @@ from swamp_rl.pilots import Pilot, load_pilot, save_pilot
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.description import FittedOn, sealed
 from swamp_rl.pilots.gru import GRUSettings, fit_gru
+from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.pilots.reservoir import ReservoirPilot, fit_reservoir
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import describe_pilot
@@ -223,3 +224,16 @@ def test_a_pilot_says_what_it_senses_by_what_it_normalises_and_what_it_was_fitte
     assert found.weights.shapes["Wout"] == ("float64", fitted("reservoir").weights()["Wout"].shape)
     weights = (tmp_path / "pilot" / "weights.safetensors").read_bytes()
     assert found.weights.sha256 == hashlib.sha256(weights).hexdigest()
+
+
+def test_a_pilot_that_comes_with_the_package_is_loaded_by_its_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert load_pilot("reservoir").kind == "reservoir"
+
+
+def test_the_pilots_in_a_folder_of_results_are_named(tmp_path: Path) -> None:
+    save_pilot(LineOfSightPilot(), tmp_path / "pilots" / "steered")
+    with pytest.raises(UserError, match=r"No such file or directory; name .*pilots/steered$"):
+        load_pilot(tmp_path)
