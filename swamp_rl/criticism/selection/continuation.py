@@ -49,6 +49,13 @@ class Continuation:
     reconstructed: dict[tuple[str, bytes], RunSet | None] = field(default_factory=dict)
     half: Shooting | None = None
 
+    @property
+    def run_set(self) -> RunSet:
+        """The runs that were cut in windows, with all their gaps: those that do not matter to the windows of
+        one hypothesis under one noise may under another.
+        """
+        return replace(self.problems[0].run_set, gaps=self.gaps)
+
     def problem(self, stage: int, hypothesis: Hypothesis) -> Shooting:
         """The windows that a hypothesis is fitted to at a stage."""
         return self.whole.get((stage, hypothesis.label), self.problems[stage])

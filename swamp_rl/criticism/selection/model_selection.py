@@ -178,7 +178,7 @@ def _is_left_by_commands(continuation: Continuation, at: Fit, noise: Array) -> b
     slow = _only_positions(noise)
     if not slow.any():
         return False
-    noisy = replace(continuation.problems[0].run_set, gauss_markov=slow)
+    noisy = replace(continuation.run_set, gauss_markov=slow)
     beside = continuation_of(noisy, continuation.problems[0].weight)
     made = fit_by_continuation(beside, at.hypothesis, at.x)
     return sufficient_reconstruction(beside, made, noisy) is not None
@@ -212,7 +212,8 @@ def _with_position_noise(
     winner: Fit,
 ) -> tuple[RunSet, Continuation, Selection] | None:
     """The selection under Gauss-Markov position noise, until that changes little; None if inadequate."""
-    run_set, slow = continuation.problems[0].run_set, slowest_noise(continuation, winner)
+    slow = slowest_noise(continuation, winner)
+    run_set = continuation.run_set
     for _ in range(options().most_repeats):
         fit_by_continuation(continuation, winner.hypothesis, winner.x)
         previous = [continuation.at(stage, winner) for stage in (0, MIDDLE)]
@@ -224,7 +225,7 @@ def _with_position_noise(
         winner, noise, slow = found.winner, slow, slowest_noise(continuation, found.winner)
         if is_budget_spent(tried) or nearly_equal(noise, slow):
             break
-    return continuation.problems[0].run_set, continuation, found
+    return continuation.run_set, continuation, found
 
 
 def slowest_noise(continuation: Continuation, winner: Fit) -> Array:
