@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import Gap
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov, kalman_filter
@@ -90,7 +91,7 @@ def test_position_noise_is_no_cause_and_hides_none() -> None:
         errors = gauss_markov_noise(np.random.default_rng(2), (3, found.measured.shape[1], 2), 0.3, 20.0)
         measured = found.measured.copy()
         measured[..., :2] += errors
-        found = replace(found, measured=measured)
+        found = replace(found, measured=measured, gaps=(Gap(0, 150, 1),))
         possible = [
             instance
             for instance in candidates(found.boat, SECONDS)
@@ -105,6 +106,7 @@ def test_position_noise_is_no_cause_and_hides_none() -> None:
             cause = causes_of(continuation.problems[selection.stage], selection.winner)[0]
             number = cause.parameters["scale"]
             assert abs(number.value - 1.6) < 4.0 * number.standard_error
+        assert with_noise.gaps == found.gaps
         assert with_noise.gauss_markov is not None
         assert with_noise.gauss_markov[0, 0] == pytest.approx(0.3, rel=0.7)
 
