@@ -11,6 +11,7 @@ import yaml
 from swamp_rl.experiments.reports import figures
 
 from swamp_rl.criticism.report import page
+from swamp_rl.replacement import WRITTEN
 
 TINY = """
 name: tiny
@@ -57,10 +58,12 @@ def _empty(path: Path, *drawn: Any) -> Path:
 
 
 def content(folder: Path) -> dict[str, Any]:
-    """All of a result that does not depend on when and how it came about: bytes by file, and results.json."""
-    files = [
-        path for name in EXACT for path in (folder / name, *(folder / name).rglob("*")) if path.is_file()
-    ]
+    """All of a result that does not depend on when and how it came about: bytes by file, and results.json.
+
+    Not the list of the files' digests, which tells what is told of them and how long a training took.
+    """
+    every = (path for name in EXACT for path in (folder / name, *(folder / name).rglob("*")))
+    files = [path for path in every if path.is_file() and path.name != WRITTEN]
     found: dict[str, Any] = {path.relative_to(folder).as_posix(): _bytes(path) for path in files}
     results = json.loads((folder / "results.json").read_text())
     return found | {"results.json": {key: value for key, value in results.items() if key != "measured"}}

@@ -42,7 +42,7 @@ def test_every_effect_is_listed_once_with_all_its_parameters_units_and_source(ca
 
 def test_an_effects_bounds_neutral_value_and_whether_it_must_be_given_are_told(call: Call) -> None:
     (speed,) = (line for line in lines(call, "effects", "wind") if line.startswith("  speed"))
-    assert speed == "  speed: at least 0 [m/s]; neutral: 0; must be given"
+    assert speed == "  speed: at least 0 and at most 200 [m/s]; neutral: 0; must be given"
     assert "  mass: above 0 [kg]; neutral: the boat file's" in lines(call, "effects", "mass")
 
 
