@@ -97,6 +97,15 @@ def test_a_standard_error_counts_that_the_command_in_lost_rows_is_unknown() -> N
     assert told > 1.1 * known
 
 
+def test_a_part_of_the_runs_has_their_gaps_and_copies_with_other_commands_have_none() -> None:
+    log = driven([], np.stack([commands(run) for run in range(3)]), 0.0, seed=1)
+    gaps = Gap(0, 10, 1), Gap(2, 20, 2)
+    log = replace(log, gaps=gaps, filled=gaps)
+    part, copies = log.subset([1, 2]), log.copies([2, 2], log.commands[[2, 2]])
+    assert part.gaps == part.filled == (Gap(1, 20, 2),)
+    assert copies.gaps == copies.filled == ()
+
+
 def test_smoothing_is_exact_on_a_parabola_and_on_a_line_through_two_samples() -> None:
     place = np.linspace(-1.0, 1.0, 9)
     values = (2.0 - 3.0 * place + 0.5 * place**2)[None, :, None]

@@ -43,6 +43,11 @@ class Gap:
     rows: int
 
 
+def _of_runs(gaps: tuple[Gap, ...], runs: list[int]) -> tuple[Gap, ...]:
+    """The gaps in those runs, by the places of these in the list."""
+    return tuple(replace(gap, run=runs.index(gap.run)) for gap in gaps if gap.run in runs)
+
+
 @dataclass(frozen=True)
 class Instants:
     """When commands changed between two rows: change (R, T, 2K) until the next row as logged, and the share
@@ -136,7 +141,8 @@ class RunSet:
             commands=self.commands[runs],
             measured=self.measured[runs],
             lengths=self.lengths[runs],
-            gaps=tuple(Gap(runs.index(gap.run), gap.row, gap.rows) for gap in self.gaps if gap.run in runs),
+            gaps=_of_runs(self.gaps, runs),
+            filled=_of_runs(self.filled, runs),
             weather=self.weather[runs] if len(self.weather) else self.weather,
             ignored=self.ignored[runs] if len(self.ignored) else self.ignored,
             origin=tuple(int(self.origins[run]) for run in runs),
@@ -148,7 +154,7 @@ class RunSet:
 
     def copies(self, runs: list[int], commands: Array) -> "RunSet":
         """Copies of those runs, some perhaps several times, with commands (n, T, 2K) of their own."""
-        return replace(self.subset(runs), commands=commands, gaps=(), instants=None)
+        return replace(self.subset(runs), commands=commands, gaps=(), filled=(), instants=None)
 
     @property
     def origins(self) -> NDArray[np.int64]:
