@@ -108,25 +108,24 @@ def run_thrusts(run_set: RunSet, boat: Boat) -> list[RunThrust]:
     run_set = replace(run_set, boat=boat)
     weight = soft_weights(weights(run_set, noise_levels(run_set)), boat)
     hypothesis = Hypothesis((instances_of(LIBRARY["thrust_scale"], boat)[0],))
-    return [
-        _run_thrust(replace(run_set.subset([k]), origin=()), weight[[k]], hypothesis)
-        for k in range(len(run_set.lengths))
-    ]
+    problem = Shooting(run_set, weight, SHORT)
+    measured, run = problem.initial_states(), problem.windows.run
 
-
-def _run_thrust(run: RunSet, weight: Array, hypothesis: Hypothesis) -> RunThrust:
-    problem = Shooting(run, weight, SHORT)
-    measured, begun = problem.initial_states(), []
-    for scale in SCALES:
+    def at_scale(scale: float) -> tuple[Array, Array]:
+        """Loss of each run (R,) and initial states (W, 6) of all runs, with their thrust scaled alike."""
         states, _, residual = fit_states(problem, hypothesis, np.array([scale]), measured, STATE_ROUNDS)
-        begun.append((float(np.nan_to_num(losses(residual).sum(), nan=np.inf)), scale, states))
-    _, scale, states = min(begun, key=lambda one: one[0])
-    made = fit(problem, hypothesis, np.array([scale]), states, STEPS)
-    error = float(np.sqrt(made.covariance[0, 0]))
-    none = losses(fit_states(problem, hypothesis, np.zeros(1), measured, STATE_ROUNDS)[2]).sum()
-    left = losses(made.residual).sum()
-    rms = float(np.sqrt(left / problem.samples))
-    return RunThrust(run.names[0], float(made.x[0]), error, rms, float(1.0 - left / none))
+        loss = np.bincount(run, losses(residual), len(run_set.lengths))
+        return np.nan_to_num(loss, nan=np.inf), states
+
+    tried, (none, _) = [at_scale(scale) for scale in SCALES], at_scale(0.0)
+    found = []
+    for k, best in enumerate(np.argmin([loss for loss, _ in tried], axis=0)):
+        part, begun = problem.part(run == k), tried[best][1][run == k]
+        made = fit(part, hypothesis, np.array([SCALES[best]]), begun, STEPS)
+        left, error = made.loss.sum(), float(np.sqrt(made.covariance[0, 0]))
+        rms, explained = float(np.sqrt(left / part.samples)), float(1.0 - left / none[k])
+        found.append(RunThrust(run_set.names[k], float(made.x[0]), error, rms, explained))
+    return found
 
 
 def with_other_thrust(every: Sequence[RunThrust]) -> list[RunThrust]:

@@ -223,8 +223,10 @@ class Shooting:
         start = np.empty((variants, win.count, 6 + self.plain_actuators.shape[1]))
         start[..., :6] = states
         if hypothesis.moves_actuators:
-            rows, place = np.unique(hypothesis.of_actuators(own), axis=0, return_inverse=True)
-            start[..., 6:] = self.actuators(hypothesis, rows)[place.reshape(-1)]
+            moving = hypothesis.of_actuators(own)
+            rows = {row.tobytes(): row for row in moving}
+            made = dict(zip(rows, self.actuators(hypothesis, np.stack(list(rows.values()))), strict=True))
+            start[..., 6:] = np.stack([made[row.tobytes()] for row in moving])
         else:
             start[..., 6:] = self.plain_actuators
         self.boat_steps[0] += int((win.steps + ahead).sum()) * variants * self.substeps
