@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtri
 
 from swamp_rl.constants import Z95
 
@@ -33,10 +32,10 @@ def wilson(successes: int, n: int) -> Interval:
     successes, n = int(successes), int(n)
     if not 0 <= successes <= n or n < 1:
         raise ValueError(f"there are no {successes} successes of {n} episodes")
-    rate, z = successes / n, float(ndtri(ENDS[1]))
-    twice = 2.0 * (n + z**2)
-    middle = (2.0 * n * rate + z**2) / twice
-    half = z / twice * math.sqrt(4.0 * n * rate * (1.0 - rate) + z**2)
+    rate = successes / n
+    twice = 2.0 * (n + Z95**2)
+    middle = (2.0 * n * rate + Z95**2) / twice
+    half = Z95 / twice * math.sqrt(4.0 * n * rate * (1.0 - rate) + Z95**2)
     low, high = middle - half if successes else 0.0, middle + half if successes < n else 1.0
     return Interval(rate, low, high, n)
 

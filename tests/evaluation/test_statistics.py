@@ -4,6 +4,7 @@ import sys
 
 import numpy as np
 import pytest
+from scipy.special import ndtri
 from scipy.stats import binomtest
 
 from swamp_rl.evaluation.statistics import paired_difference, success_difference, wilson
@@ -44,6 +45,12 @@ def outcomes(both: int, only_a: int, only_b: int, neither: int) -> tuple[np.ndar
     """(n,) bool: the episodes in which a succeeds, and those in which b does."""
     counts = (both, only_a, only_b, neither)
     return np.repeat([True, True, False, False], counts), np.repeat([True, False, True, False], counts)
+
+
+def test_the_intervals_of_a_rate_and_of_a_difference_have_one_normal_quantile() -> None:
+    z2 = ndtri(0.975) ** 2
+    assert wilson(0, 20).high == pytest.approx(z2 / (20 + z2), rel=1e-14)
+    assert success_difference(*outcomes(0, 0, 0, 20)).high == pytest.approx(z2 / (20 + z2), rel=1e-10)
 
 
 @pytest.mark.parametrize("both", [0, 7, 20])
