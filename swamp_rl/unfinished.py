@@ -30,10 +30,9 @@ def folder_beside(
     part, old = _beside(".new-", path), _beside(".old-", path)
     marks = () if replaces is None else (replaces,)
     try:
-        refuse_to_replace(path, marks, derived)
         with locked(path):
             _recover(old, path)
-            refuse_to_replace(path, marks, derived)  # again: another process may have ended since
+            refuse_to_replace(path, marks, derived)
             there = _state(path)
             remove_dead(path.parent)
             _remove(part)
@@ -69,10 +68,9 @@ def taken_up(
     path = Path(path).absolute()
     part, old = _beside(".part-", path), _beside(".old-", path)
     try:
-        refuse_to_replace(path, replaces)
         with locked(path):
             _recover(old, path)
-            refuse_to_replace(path, replaces)  # again: another process may have ended since
+            refuse_to_replace(path, replaces)
             there = _state(path)
             _begin(part, description)
             try:

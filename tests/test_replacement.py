@@ -1,5 +1,6 @@
 """An earlier result is replaced only if a command wrote everything in it, as it is now."""
 
+import hashlib
 import os
 import shutil
 from collections.abc import Callable
@@ -122,6 +123,21 @@ def test_what_comes_deep_inside_while_the_work_is_done_is_kept(
         change(out)
     assert (out / "mark").read_text() == "made"
     assert LOST[change] in {path.relative_to(out).as_posix() for path in out.rglob("*")}
+
+
+def test_a_result_is_read_once_before_the_work_and_once_before_it_is_replaced(
+    writer: Writer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = written(writer, tmp_path / "out")
+    read: list[str] = []
+    digest = hashlib.file_digest
+    monkeypatch.setattr(
+        "hashlib.file_digest", lambda file, kind: (read.append(str(file.name)), digest(file, kind))[1]
+    )
+    with writer(out) as part:
+        assert read.count(str(out / "mark")) == 1
+        (part / "mark").write_text("made again")
+    assert read.count(str(out / "mark")) == 2
 
 
 def test_what_would_be_lost_is_counted_and_the_first_files_named(tmp_path: Path) -> None:
