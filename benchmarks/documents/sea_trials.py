@@ -14,6 +14,7 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import load_boat
+from swamp_rl.boat.load import boat_chain
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.result import Cause
 from swamp_rl.files import find_config
@@ -30,7 +31,7 @@ SIGNS = {"at_most": "≤ ", "at_least": "≥ ", None: ""}
 
 def figures_table(found: FiguresDiagnosis, file: FiguresFile) -> str:
     """Every figure: printed, with the boat file, extended, and of the boat as measured."""
-    fleet = fleet_of(MEASURED, file)
+    fleet = fleet_of(boat_chain(MEASURED), file)
     values = predicted(fleet, file.figures, Hypothesis(), np.zeros(0))
     off = misfits(file.figures, values)
     rows = []

@@ -1,14 +1,19 @@
 """`swamp-rl trial`: sea trials of a simulated boat, and the figures of simulated and measured ones."""
 
 import re
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from swamp_rl.experiments.cli.options import BoatOption, OwnBoatOption, seed_option
 
 from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
+
+if TYPE_CHECKING:
+    from swamp_rl.boat import Boat
+    from swamp_rl.manoeuvres.plan import Plan
 
 trial_app = typer.Typer(help="Automatic ITTC manoeuvres and their analysis.", no_args_is_help=True)
 
@@ -29,6 +34,8 @@ Seed = Annotated[int, seed_option("Seed of the wind's gusts.")]
 
 def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[str, Any]) -> None:
     """Check an entry as one of a plan file, execute it and analyse it."""
+    from swamp_rl.boat import load_boat
+
     given = {name: value for name, value in entry.items() if value is not None}
     data = {
         "name": "asked",
@@ -38,7 +45,8 @@ def _carry_out(out: Path, boat: str, direction: float, seed: int, entry: dict[st
         "trials": [given],
     }
     keys = ("boat", "seed", "direction_deg", *entry)
-    _execute(_plan(data, {key: _option(key) for key in keys}), out)
+    plan = _plan(data, {key: _option(key) for key in keys})
+    _execute(plan, load_boat(boat), out)
 
 
 def _option(key: str) -> str:
@@ -46,7 +54,7 @@ def _option(key: str) -> str:
     return f"--{key.removesuffix('_deg').removesuffix('_s').replace('_', '-')}"
 
 
-def _plan(data: dict[str, Any], options: dict[str, str]) -> Any:
+def _plan(data: dict[str, Any], options: dict[str, str]) -> "Plan":
     """A validated plan; UserError that names the options of the keys at fault. options: by key."""
     from pydantic import ValidationError
 
@@ -67,12 +75,13 @@ def _of_options(key: str, message: str, options: dict[str, str]) -> str:
     return f"{own}: {told}" if own else told
 
 
-def _execute(plan: Any, out: Path) -> None:
+def _execute(plan: "Plan", boat: "Boat", out: Path) -> None:
+    """Carry out a plan with its boat and analyse it."""
     from swamp_rl.experiments.reports.trials import analyse_trials
 
     from swamp_rl.manoeuvres.record import record_trials
 
-    record_trials(out, plan.boat, plan.singly, plan.place, plan.seed)
+    record_trials(out, boat, plan.boat, plan.singly, plan.place, plan.seed)
     _say(*analyse_trials(out))
 
 
@@ -207,10 +216,9 @@ def plan(
     from swamp_rl.manoeuvres.plan import load_plan
 
     asked = load_plan(file)
-    if boat is None:
-        with told_of(f"{file}: boat"):
-            load_boat(asked.boat)
-    _execute(asked if boat is None else asked.model_copy(update={"boat": boat}), out)
+    with told_of(f"{file}: boat") if boat is None else nullcontext():
+        vessel = load_boat(boat or asked.boat)
+    _execute(asked.model_copy(update={"boat": boat or asked.boat}), vessel, out)
 
 
 @trial_app.command()

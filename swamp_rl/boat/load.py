@@ -23,6 +23,8 @@ from swamp_rl.explain import explanations
 from swamp_rl.files import extended_config, find_config, read_yaml
 
 TAGS = (JET, PROPELLER, TABLE, DRIFT, *OPEN_WATER, CURVE, MEASURED, SHAFT)
+Chain = list[tuple[Path, dict[str, Any]]]
+"""Boat files and what they hold; each overrides those before it."""
 REPLACES = ", or write thrusters: {NAME: {KEY: VALUE}} (a list replaces all thrusters of the extended file)"
 
 
@@ -36,9 +38,13 @@ def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = Non
     replaced: keys in place of the file's, as a file that extends it would have them. UserError names every
     fault on its line: file, key and what is allowed.
     """
-    chain = boat_chain(name_or_path)
+    return boat_of_chain(boat_chain(name_or_path), replaced)
+
+
+def boat_of_chain(chain: Chain, replaced: Mapping[str, Any] | None = None) -> Boat:
+    """The boat of files that are read already (`boat_chain`), as `load_boat`."""
     if replaced:
-        chain.append((chain[-1][0], {"extends": str(name_or_path), **replaced}))
+        chain = [*chain, (chain[-1][0], dict(replaced))]
     raw: dict[str, Any] = {}
     origins: dict[Key, tuple[Path, Any]] = {}
     for path, data in chain:
@@ -65,10 +71,10 @@ def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = Non
     return boat
 
 
-def boat_chain(name_or_path: str | Path) -> list[tuple[Path, dict[str, Any]]]:
-    """The files to lay over one another, the one that extends nothing first."""
+def boat_chain(name_or_path: str | Path) -> Chain:
+    """The files, each read once, to lay over one another, the one that extends nothing first."""
     path = find_config("boats", name_or_path)
-    chain: list[tuple[Path, dict[str, Any]]] = []
+    chain: Chain = []
     while True:
         chain.insert(0, (path, read_yaml(path)))
         extended = chain[0][1].get("extends")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat import Boat
 from swamp_rl.guidance.flight import command_columns
 from swamp_rl.manoeuvres.approach import Area
 from swamp_rl.manoeuvres.controller import APPROACH, Trial
@@ -62,14 +62,19 @@ def runs_of_trials(executed: Sequence[Executed], boat: Boat, seed: int) -> list[
 
 
 def record_trials(
-    out: Path | str, boat_name: str, trials: Sequence[Trial], area: Area | None = None, seed: int = 0
+    out: Path | str,
+    boat: Boat,
+    vehicle: str,
+    trials: Sequence[Trial],
+    area: Area | None = None,
+    seed: int = 0,
 ) -> list[Executed]:
-    """Execute the trials with the boat of that name or file and write them as the dataset `out`.
+    """Execute the trials with a boat, read from the name or file `vehicle`, and write them as the dataset
+    `out`.
 
     UserError where the boat cannot do a trial, or the folder holds something else.
     """
-    boat = load_boat(boat_name)
-    meta = meta_of(boat, boat_name, 1.0 / STEP, "simulated", notes=NOTES)
+    meta = meta_of(boat, vehicle, 1.0 / STEP, "simulated", notes=NOTES)
     with dataset_beside(out, meta) as part:
         executed = execute(boat, trials, area, seed)
         append_runs(part, runs_of_trials(executed, boat, seed))

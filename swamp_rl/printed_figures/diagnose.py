@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from swamp_rl.boat import load_boat
+from swamp_rl.boat.load import boat_chain, boat_of_chain
 from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.inference.estimate import cause_of
 from swamp_rl.criticism.model.candidates import Hypothesis
@@ -77,9 +77,10 @@ class Study:
 
 def study_of(path: Path, boat: str) -> Study:
     """The figures file at a path with a boat, by name or file, at its loads; UserError, a line a fault."""
-    found = read_figures(path, load_boat(boat))
+    chain = boat_chain(boat)
+    found = read_figures(path, boat_of_chain(chain))
     with told_of(path):  # the boat itself was read: it is a load or the water
-        return Study(found, fleet_of(boat, found))
+        return Study(found, fleet_of(chain, found))
 
 
 def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None) -> FiguresDiagnosis:
@@ -92,7 +93,6 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
     from swamp_rl.printed_figures.report import page
 
     began = time.perf_counter()
-    model = load_boat(boat)
     refuse_sources_inside(out, [one for one in (path, Path(boat)) if one.exists()])
     study = study_of(path, boat)
     found = study.found
@@ -103,7 +103,7 @@ def diagnose_figures(path: Path, boat: str, out: Path, fit: Groups | None = None
         diagnosis, last = examine(study, fit or found.fit)
         diagnosis.elapsed_s = time.perf_counter() - began
         write_extended(folder, boat, last.hypothesis, last.x)
-        (folder / "report.html").write_text(page(diagnosis, found, model), encoding="utf-8")
+        (folder / "report.html").write_text(page(diagnosis, found, study.fleet.nominal), encoding="utf-8")
         (folder / RESULT).write_text(diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
     return diagnosis
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat import Boat
+from swamp_rl.boat.load import Chain, boat_of_chain
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 from swamp_rl.effects import EffectEntry, apply_effects
@@ -27,19 +28,19 @@ class Fleet:
     loaded: Mapping[tuple[float, float | None], Loaded]
 
 
-def fleet_of(boat: str, found: FiguresFile) -> Fleet:
-    """The boat of that name or file at the loads that the figures ask for."""
+def fleet_of(boat: Chain, found: FiguresFile) -> Fleet:
+    """The boat of these files (`boat_chain`) at the loads that the figures ask for."""
     loads = {load.mass: load for load in found.loads}
     asked = dict.fromkeys((figure.mass, figure.water_density) for figure in found.figures)
     boats = {key: _loaded(boat, loads.get(key[0]), *key) for key in asked}
-    return Fleet(load_boat(boat), {key: Loaded(one) for key, one in boats.items()})
+    return Fleet(boat_of_chain(boat), {key: Loaded(one) for key, one in boats.items()})
 
 
-def _loaded(boat: str, load: Load | None, mass: float, density: float | None) -> Boat:
+def _loaded(boat: Chain, load: Load | None, mass: float, density: float | None) -> Boat:
     """The boat with the load in that water; UserError where there is no such boat."""
     water = "" if density is None else f" in water of {density:g} kg/m3"
     with told_of(f"the boat at {mass:g} kg{water}"):
-        return load_boat(boat, _replaced(load, density))
+        return boat_of_chain(boat, _replaced(load, density))
 
 
 def _replaced(load: Load | None, density: float | None) -> dict[str, Any]:

@@ -13,7 +13,9 @@ from scipy.stats import multivariate_normal
 from swamp_rl.experiments.config.posterior import write_posterior
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.load import boat_chain
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml, write_yaml
 from swamp_rl.json_text import schema_text
 from swamp_rl.physics.resistance import SPEED
@@ -48,7 +50,7 @@ def written(path: Path, *figures: Entry, **keys: Any) -> Path:
 def made(path: Path, *figures: Entry, boat: str = "swamp-thesis") -> list[float]:
     """What the boat file makes of the figures."""
     found = read_figures(written(path, *figures), load_boat(boat))
-    return predicted(fleet_of(boat, found), found.figures, Hypothesis(), NOTHING).tolist()
+    return predicted(fleet_of(boat_chain(boat), found), found.figures, Hypothesis(), NOTHING).tolist()
 
 
 def circle(boat: Boat, angle: float) -> tuple[float, float]:
@@ -111,9 +113,21 @@ def test_a_circle_is_that_of_an_open_loop_run_at_the_load_of_the_figure(tmp_path
     light = {"mass": 48.0, "draught": 0.115}
     figures = [one | {"mass": 48.0} for one in circles_of(THESIS, 30.0)]
     found = read_figures(written(tmp_path / "f.yaml", *figures, loads=[light | {"source": "x"}]), THESIS)
-    values = predicted(fleet_of("swamp-thesis", found), found.figures, Hypothesis(), NOTHING)
+    values = predicted(fleet_of(boat_chain("swamp-thesis"), found), found.figures, Hypothesis(), NOTHING)
     write_yaml(tmp_path / "light.yaml", {"extends": "swamp-thesis", **light})
     assert values == pytest.approx(circle(load_boat(tmp_path / "light.yaml"), 30.0), rel=1e-3)
+
+
+def test_the_boat_file_is_read_once_for_all_loads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    light = {"mass": 48.0, "draught": 0.115, "source": "x"}
+    figures = [entry("towed", "resistance", 9.68, 0.1, speed=0.99, mass=mass) for mass in (48.0, 58.0)]
+    path, boat = written(tmp_path / "f.yaml", *figures, loads=[light]), tmp_path / "boat.yaml"
+    write_yaml(boat, {"extends": "swamp-thesis"})
+    read: list[Path] = []
+    monkeypatch.setattr("swamp_rl.boat.load.read_yaml", lambda file: (read.append(file), read_yaml(file))[1])
+    with pytest.raises(UserError, match="--fit"):
+        diagnose_figures(path, str(boat), tmp_path / "out", [["no such group"]])
+    assert read.count(boat) == 1
 
 
 @pytest.mark.parametrize("boat", ["swamp-thesis", "swamp-light"])

@@ -247,8 +247,9 @@ def test_the_steering_turns_the_boat_the_same_way_ahead_and_astern(angle: float,
 
 def test_a_recorded_trial_replays_exactly_and_is_analysed_from_its_commands_alone(tmp_path: Path) -> None:
     trials = [Trial("turning-circle", 0.6, 40 * DEG, turns=2), Trial("zig-zag", 0.6, 20 * DEG, 20 * DEG)]
-    record_trials(tmp_path / "runs", "swamp-light", trials)
-    boat, dataset = load_boat("swamp-light"), read_dataset(tmp_path / "runs")
+    boat = load_boat("swamp-light")
+    record_trials(tmp_path / "runs", boat, "swamp-light", trials)
+    dataset = read_dataset(tmp_path / "runs")
     assert [run.meta.outcome for run in dataset.runs] == ["success", "success"]
     for run in dataset.runs:
         again = replay(boat, run)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from swamp_rl.experiments.cli import app as cli
 
+from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset, read_dataset
 from tests.support.command_line import Call, assert_complains
 
@@ -53,6 +54,17 @@ def test_a_plan_takes_another_boat(call: Call) -> None:
     Path("p.yaml").write_text("name: p\nboat: swamp\ntrials: [{manoeuvre: stopping, throttle: [0.5]}]\n")
     assert call("trial", "plan", "p.yaml", "--boat", "swamp-light", "--out", "a")[0] == 0
     assert read_dataset("a").meta.vehicle == "swamp-light"
+
+
+def test_the_boat_of_a_plan_is_read_once_and_once_for_its_copy(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_yaml("b.yaml", {"extends": "swamp"})
+    Path("p.yaml").write_text("name: p\nboat: b.yaml\ntrials: [{manoeuvre: stopping, throttle: [0.5]}]\n")
+    read: list[Path] = []
+    monkeypatch.setattr("swamp_rl.boat.load.read_yaml", lambda file: (read.append(file), read_yaml(file))[1])
+    assert call("trial", "plan", "p.yaml", "--out", "a")[0] == 0
+    assert read.count(Path("b.yaml")) == 2
 
 
 def test_a_measured_track_alone_is_analysed_once_its_manoeuvre_and_marks_are_told(call: Call) -> None:
