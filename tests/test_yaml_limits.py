@@ -67,7 +67,7 @@ def test_a_bomb_is_refused_in_one_line(name: str, tmp_path: Path) -> None:
 def test_a_bomb_behind_set_is_refused_in_one_line(name: str) -> None:
     text, told = BOMBS[name]
     value = f"{{{text}}}" if text.startswith("a: ") else text
-    with pytest.raises(UserError, match=r"--set .*malformed YAML") as caught:
+    with pytest.raises(UserError, match=r"override .*malformed YAML") as caught:
         load_experiment("smoke", [f"description={value}"])
     assert told in str(caught.value) or "malformed" in str(caught.value)
     assert "\n" not in str(caught.value)

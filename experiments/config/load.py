@@ -1,4 +1,4 @@
-"""Experiment files read strictly, with `extends:` and with overrides from the command line."""
+"""Experiment files read strictly, with `extends:` and with overrides by dotted key."""
 
 import os
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -42,7 +42,7 @@ def load_experiment(
     `key=value` with a dotted key and a YAML value, and come last. A file or overrides that give other levels
     remove the targets of the files below at levels that are no longer evaluated. UserError names the file, or
     the override, and the key of the first fault. given: where an override comes from, by its text; by
-    default from `--set`.
+    default `override TEXT`.
     """
     path, named = _file_of(name_or_path), _named(overrides, given or {})
     allowed = {text for _, override in named for text in _texts(override)}
@@ -230,7 +230,8 @@ def _refuse_code(path: Path, data: dict[str, Any], allowed: Collection[str]) -> 
             argument = f"{kind}=FOLDER" if is_code(kind) else "sb3:MODEL.zip"
             raise UserError(
                 f"{path}: pilots.{name}.kind: {kind} runs code, which a folder of results may not ask for; "
-                f"if it is yours, name it: run with --set pilots.{name}.kind={kind}, evaluate with {argument}"
+                f"if it is yours, name it: run with the override pilots.{name}.kind={kind} (--set), evaluate "
+                f"with {argument}"
             )
     reward = data.get("reward")
     terms = [("reward", term) for term in (reward if isinstance(reward, Mapping) else ())]
@@ -239,14 +240,14 @@ def _refuse_code(path: Path, data: dict[str, Any], allowed: Collection[str]) -> 
         if is_code(term) and term not in allowed and not own_code.is_named(term):
             raise UserError(
                 f"{path}: {where}: {term} is code, which a folder of results may not ask for; if it is "
-                f"yours, name it: run with --set 'reward={{{term}: WEIGHT}}' or --set "
-                f"'pilots.NAME.options.senses=[{term}, ...]', evaluate with {term}=FOLDER"
+                f"yours, name it: run with the override 'reward={{{term}: WEIGHT}}' or "
+                f"'pilots.NAME.options.senses=[{term}, ...]' (--set), evaluate with {term}=FOLDER"
             )
 
 
 def _named(overrides: Iterable[str], given: Mapping[str, str]) -> list[Layer]:
     texts = [overrides] if isinstance(overrides, str) else overrides
-    named = [(clipped(given.get(text, f"--set {text}")), text) for text in texts]
+    named = [(clipped(given[text]) if text in given else f"override {clipped(text)}", text) for text in texts]
     return [(name, _parsed(name, text)) for name, text in named]
 
 

@@ -169,7 +169,7 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
 )
 def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, override: str, told: str) -> None:
     message = complaint(write(tmp_path, SMALL), override)
-    assert all(line.startswith(f"--set {clipped(override)[:30]}") for line in message.split("\n"))
+    assert all(line.startswith(f"override {clipped(override)[:30]}") for line in message.split("\n"))
     assert told in f"{message}\n"
 
 
@@ -190,15 +190,15 @@ def test_a_boat_file_and_runs_in_place_of_what_is_needed_are_told_in_one_line(tm
 def test_of_several_overrides_the_one_at_fault_is_named_and_a_wrong_file_before_any(tmp_path: Path) -> None:
     sound = ["evaluation.episodes=3", "evaluation.seed=5"]
     wrong = complaint(write(tmp_path, SMALL), sound[0], "evaluation.episdes=3", sound[1])
-    assert wrong.startswith("--set evaluation.episdes=3: evaluation.episdes: unknown key")
+    assert wrong.startswith("override evaluation.episdes=3: evaluation.episdes: unknown key")
     together = complaint(write(tmp_path, SMALL), "targets.success.net.calm=0.5", "evaluation.levels=[severe]")
     assert together.startswith(
-        "--set evaluation.levels=[severe]: targets.success.net: level 'calm' is not in"
+        "override evaluation.levels=[severe]: targets.success.net: level 'calm' is not in"
     )
     both = complaint(write(tmp_path, SMALL), "evaluation.episodes=0", "evaluation.seed=-1")
     assert [line[: line.index(": ")] for line in both.split("\n")] == [
-        "--set evaluation.episodes=0",
-        "--set evaluation.seed=-1",
+        "override evaluation.episodes=0",
+        "override evaluation.seed=-1",
     ]
     file = write(tmp_path, SMALL.replace("seed", "sede"))
     assert all(line.startswith(f"{file}: ") for line in complaint(file, *sound).split("\n"))
@@ -233,7 +233,7 @@ def test_a_pilot_set_to_null_is_dropped_with_its_targets() -> None:
     [
         (
             ["pilots.pppo=null"],
-            "--set pilots.pppo=null: pilots.pppo: no such pilot to drop; did you mean 'ppo'?",
+            "override pilots.pppo=null: pilots.pppo: no such pilot to drop; did you mean 'ppo'?",
         ),
         (["pilots.ppo=null", "targets.success.ppo.calm=0.5"], "targets: no pilot 'ppo'"),
         (["pilots.ppo=null", "pilots.ppo.runs=5"], "pilots.ppo.kind: is missing"),
@@ -265,7 +265,7 @@ def test_a_target_set_to_null_is_dropped(tmp_path: Path) -> None:
 )
 def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path: Path, override: str, told: str) -> None:
     small = write(tmp_path, f"{SMALL}\ntargets: {{success: {{net: {{calm: 0.5}}}}}}")
-    assert complaint(small, override).startswith(f"--set {override}: {told}")
+    assert complaint(small, override).startswith(f"override {override}: {told}")
 
 
 @pytest.mark.parametrize(
@@ -303,7 +303,7 @@ def test_an_experiment_that_extends_one_that_is_not_there_is_named(tmp_path: Pat
 
 @pytest.mark.parametrize("override", ["episodes", "=3", "a..b=3", "a=[1"])
 def test_a_malformed_override_is_quoted(tmp_path: Path, override: str) -> None:
-    assert f"--set {override}" in complaint(write(tmp_path, SMALL), override)
+    assert f"override {override}" in complaint(write(tmp_path, SMALL), override)
 
 
 def test_a_missing_key_a_missing_file_and_malformed_yaml_are_told_apart(tmp_path: Path) -> None:
