@@ -2,6 +2,7 @@
 
 import math
 import os
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
@@ -35,9 +36,17 @@ def reading(path: Path, what: str, repair: str = "") -> Iterator[None]:
     except OSError as error:
         raise os_error(error, path) from error
     except (Exception, RecursionError) as error:
-        said = clipped(str(error).rstrip(".") or type(error).__name__, 200)
+        said = f" ({clipped(words, 200)})" if (words := _words(error)) else ""
         remedy = f"copy it again{repair and f', or repair it with {repair}'}"
-        raise UserError(f"{path}: is no complete {what} ({said}); {remedy}") from error
+        raise UserError(f"{path}: is no complete {what}{said}; {remedy}") from error
+
+
+def _words(error: BaseException) -> str:
+    """What a reader says of a file; empty for an error of Python, alone or behind a reader's, which tells of
+    the reader's code."""
+    of_python = type(error).__module__.partition(".")[0] in sys.stdlib_module_names
+    own = type(error) is ValueError or not (of_python or error.__context__)
+    return str(error).rstrip(".") if own else ""
 
 
 def refuse_other_bytes(path: Path, what: str, begin: bytes) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.files import read_yaml
+from swamp_rl.logs.bag_metadata import refuse_odd_bag
 from swamp_rl.logs.binary import LARGEST, Gathered, reading, refuse_other_bytes
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.tables import table_name
@@ -27,7 +27,6 @@ LONGEST_ARRAY = 16
 """Elements that become columns of their own; covariances of 36 and pictures do not."""
 MOST_BYTES = 2**32
 """Of the messages of the topics that are read."""
-LARGEST_METADATA = 2**23
 DEFINED = {
     f"mavros_msgs/msg/{name}": "std_msgs/Header header\nuint16[] channels\n" for name in ("RCOut", "RCIn")
 }
@@ -167,7 +166,7 @@ def _opened(path: Path) -> Iterator[Any]:
         with AnyReader([path]) as reader:
             yield reader
     elif path.is_dir():
-        _refuse_odd_files(path)
+        refuse_odd_bag(path)
         with AnyReader([path], default_typestore=default) as reader:
             yield reader
     elif path.suffix.lower() in (".db3", ".mcap"):
@@ -178,18 +177,3 @@ def _opened(path: Path) -> Iterator[Any]:
         raise UserError(
             f"{path}: is no ROS bag; name a .bag, .db3 or .mcap file, or a folder with {BAG_METADATA}"
         )
-
-
-def _refuse_odd_files(folder: Path) -> None:
-    """UserError where the files that the folder's description names are not ordinary ones in it."""
-    ordinary(folder / BAG_METADATA, LARGEST_METADATA)
-    told = read_yaml(folder / BAG_METADATA).get("rosbag2_bagfile_information")
-    if not isinstance(told, dict) or not isinstance(told.get("relative_file_paths"), list):
-        raise UserError(f"{folder / BAG_METADATA}: names no relative_file_paths; copy the bag again")
-    if str(told.get("compression_mode") or "").lower() == "file":
-        raise UserError(f"{folder}: its files are compressed as a whole; decompress them (ros2 bag convert)")
-    for name in told["relative_file_paths"]:
-        path = folder / Path(str(name)).name
-        if path.is_symlink():
-            raise UserError(f"{path}: is a link; put a copy of the file in its place")
-        ordinary(path, LARGEST)

@@ -1,11 +1,13 @@
 """Logs of ArduPilot, PX4 and ROS by their default mappings, listed, and damaged in every way."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from swamp_rl.errors import UserError
+from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.logs.import_logs import Reading, import_logs, read_log
 from swamp_rl.logs.listing import listing
 from swamp_rl.logs.mapping import Frame, mapping_of
@@ -301,6 +303,45 @@ def test_a_hostile_description_of_a_bag_reaches_nothing(tmp_path: Path, text: st
     with pytest.raises(UserError, match=part) as told:
         read_log(folder, "rosbag")
     assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "told"),
+    [
+        (("version",), None, "version: must be a whole number, not null"),
+        (("version",), 10, "version: must be at most 9, not 10"),
+        (("duration",), 1.5, "duration: must be a mapping of keys to values, not 1.5"),
+        (("files",), "x", "files: must be a list, not 'x'"),
+        (
+            ("topics_with_message_count", 0, "topic_metadata", "name"),
+            3,
+            "topic_metadata.name: must be text, not 3",
+        ),
+    ],
+)
+def test_a_faulty_description_of_a_bag_is_told_by_its_key(
+    tmp_path: Path, keys: tuple[str | int, ...], value: Any, told: str
+) -> None:
+    folder = bag(tmp_path / "bag", "sqlite3", 2.0)
+    part: Any = (whole := read_yaml(folder / "metadata.yaml"))
+    for key in ("rosbag2_bagfile_information", *keys[:-1]):
+        part = part[key]
+    part[keys[-1]] = value
+    write_yaml(folder / "metadata.yaml", whole)
+    with pytest.raises(UserError) as error:
+        read_log(folder, "rosbag")
+    assert str(error.value).startswith(f"{folder / 'metadata.yaml'}: rosbag2_bagfile_information.")
+    assert told in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
+def test_damage_in_a_bag_is_told_without_the_words_of_python(tmp_path: Path, storage: str) -> None:
+    folder = bag(tmp_path / "bag", storage, 2.0)
+    held = next(path for path in folder.iterdir() if path.name != "metadata.yaml")
+    held.write_bytes(held.read_bytes().replace(b"/boat/odometry", b"/boat\xffodometry"))
+    with pytest.raises(UserError) as error:
+        read_log(folder, "rosbag")
+    assert str(error.value) == f"{folder}: is no complete ROS bag; copy it again"
 
 
 def test_a_link_in_a_bag_is_refused(tmp_path: Path) -> None:

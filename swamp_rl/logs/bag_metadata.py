@@ -1,0 +1,86 @@
+"""`metadata.yaml` of a ROS 2 bag: what must be in it for the bag to be read."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from swamp_rl.errors import UserError
+from swamp_rl.explain import explanations
+from swamp_rl.files import read_yaml
+from swamp_rl.logs.binary import LARGEST
+from swamp_rl.ordinary import ordinary
+from swamp_rl.runs.import_dataset import BAG_METADATA
+
+LARGEST_METADATA = 2**23
+ROOT = "rosbag2_bagfile_information"
+Count = Annotated[int, Field(ge=0, lt=2**63)]
+
+
+class Part(BaseModel):
+    """What is read; other keys may hold anything."""
+
+    model_config = ConfigDict(frozen=True, strict=True)
+
+
+class Duration(Part):
+    """Of all messages."""
+
+    nanoseconds: Count
+
+
+class Start(Part):
+    """Of the first message."""
+
+    nanoseconds_since_epoch: Count
+
+
+class Topic(Part):
+    """type_description_hash: since version 7."""
+
+    name: str
+    type: str
+    serialization_format: Literal["cdr"]
+    type_description_hash: str = ""
+
+
+class Counted(Part):
+    """A topic and its number of messages."""
+
+    topic_metadata: Topic
+    message_count: Count
+
+
+class Bag(Part):
+    """version: of the format, 9 the newest that is read; compression_mode: `message`, `none` or empty."""
+
+    version: Annotated[int, Field(ge=1, le=9)]
+    storage_identifier: Literal["sqlite3", "mcap"]
+    duration: Duration
+    starting_time: Start
+    message_count: Count
+    topics_with_message_count: list[Counted]
+    compression_format: str | None = None
+    compression_mode: str = ""
+    files: list[Any] = []
+
+
+def refuse_odd_bag(folder: Path) -> None:
+    """UserError where a bag's description is not whole, or its files are not ordinary ones in the folder."""
+    path = ordinary(folder / BAG_METADATA, LARGEST_METADATA)
+    told = read_yaml(path).get(ROOT)
+    names = told.get("relative_file_paths") if isinstance(told, dict) else None
+    if not (isinstance(names, list) and all(isinstance(name, str) for name in names)):
+        raise UserError(f"{path}: {ROOT} has no list of names relative_file_paths; copy the bag again")
+    if str(told.get("compression_mode") or "").lower() == "file":
+        raise UserError(f"{folder}: its files are compressed as a whole; decompress them (ros2 bag convert)")
+    for name in names:
+        held = folder / Path(name).name
+        if held.is_symlink():
+            raise UserError(f"{held}: is a link; put a copy of the file in its place")
+        ordinary(held, LARGEST)
+    try:
+        Bag.model_validate(told)
+    except ValidationError as error:
+        key, message = explanations(error, Bag)[0]
+        raise UserError(f"{path}: {ROOT}.{key}: {message}; or copy the bag again") from error
