@@ -53,8 +53,8 @@ def implausible(boat: Boat) -> list[tuple[str, str]]:
     return next(filter(None, (_faults(part, unit_of) for part in parts)), [])
 
 
-def implausible_sizes(sizes: Sizes) -> list[tuple[str, str]]:
-    """As `implausible`, of the dimensions and the mass that a boat is to be estimated from."""
+def implausible_sizes(sizes: Boat | Sizes) -> list[tuple[str, str]]:
+    """As `implausible`, of dimensions and mass alone: of a boat at a load, or to be estimated from them."""
     parts = (part(sizes) for part in (dimensions, mass_and_water))
     return next(filter(None, (_faults(part, UNITS) for part in parts)), [])
 

@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.boat.plausible import implausible_sizes
 from swamp_rl.clipped import clipped
 from swamp_rl.names import LONGEST
 from swamp_rl.runs.columns import ENDLESS, ONE_TURN, Span, UnknownThrusterError, missing_columns, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
+from swamp_rl.runs.schema import META, DatasetMeta
 from swamp_rl.runs.table import Table
 
 STEP_TOLERANCE = 0.05  # of the period, for one step: room for times rounded to a few digits
@@ -28,6 +30,13 @@ ODD_NAME = (
     f"is no name of a column: it is not blank, has at most {LONGEST} bytes, all print and the first is none "
     f"of {FORMULA}; rename it"
 )
+
+
+def check_load(meta: DatasetMeta, boat: Boat) -> list[Fault]:
+    """A fault of `dataset.yaml` for mass, draught and density of water that its boat cannot have."""
+    load = {"mass": meta.mass, "draught": meta.draught, "water_density": meta.water_density}
+    faults = implausible_sizes(boat.model_copy(update=load))
+    return [Fault(META, None, None, f"{key}: {complaint}") for key, complaint in faults]
 
 
 @np.errstate(over="ignore", invalid="ignore")  # differences of numbers near the end of their range

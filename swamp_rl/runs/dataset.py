@@ -10,7 +10,7 @@ from swamp_rl.course import Course, fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import is_file, refuse_object
 from swamp_rl.names import YAML, file_in
-from swamp_rl.runs.check import MISSING, check_table, unknown_columns
+from swamp_rl.runs.check import MISSING, check_load, check_table, unknown_columns
 from swamp_rl.runs.copies import boat_file, boat_of, course_file
 from swamp_rl.runs.describe import common_rate, described, is_table, noted, parse, with_outcomes
 from swamp_rl.runs.faults import Fault
@@ -147,8 +147,10 @@ def inspect_dataset(
     except UserError as error:
         found.faults.append(Fault(META, None, None, str(error).removeprefix(f"{folder / META}: ")))
     meta = found.meta = described(told, vessel)
+    if vessel is not None:
+        found.faults += check_load(meta, vessel)
     if not meta.runs:
-        found.faults.append(Fault(META, None, "runs", "lists no runs; record some first"))
+        found.faults.append(Fault(META, None, None, "runs: lists no runs; record some first"))
     rate = None if "sample_rate" in told.lacking else meta.sample_rate
     for run in meta.runs:
         _inspect_run(folder, run, vessel, rate, found)

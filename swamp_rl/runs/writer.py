@@ -13,7 +13,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.files import flush, os_error, write_beside, write_text, yaml_text
 from swamp_rl.names import file_in
-from swamp_rl.runs.check import check_table
+from swamp_rl.runs.check import check_load, check_table
 from swamp_rl.runs.copies import boat_of, standing_alone
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.run import Run
@@ -146,6 +146,8 @@ def _listing(folder: Path, paths: Sequence[Path], runs: Sequence[Run]) -> Datase
     """The folder's `dataset.yaml` with the runs added; UserError for a name taken or a run at fault."""
     meta = read_meta(folder)
     boat, entries = boat_of(folder, meta), list(meta.runs)
+    for fault in check_load(meta, boat):
+        raise UserError(f"{folder}{os.sep}{fault}")
     taken = {found.name for found in folder.iterdir()} | {str(listed.file) for listed in meta.runs}
     for path, run in zip(paths, runs, strict=True):
         if any(f"{run.name}.{kind}" in taken for kind in FORMATS):

@@ -12,11 +12,14 @@ WRONG = {
     "mass: 58.0": {
         "mass: -1.0": "mass: must be greater than 0, not -1.0",
         "mass: .nan": "mass: must be",
+        "mass: 58000.0": "dataset.yaml: mass: 58000 kg is implausible: mass / (water_density length",
         "mass: heavy": "mass: must be a number, not 'heavy'",
         "mas: 58.0": "mas: unknown key; did you mean 'mass'?",
         "mass: 58.0\nmass: 48.0": "'mass' is given twice",
         "mass: [58.0": "malformed YAML",
     },
+    "draught: ": {"draught: 7": "dataset.yaml: draught: 70.14 m is implausible: draught / length"},
+    "water_density: ": {"water_density: 9": "dataset.yaml: water_density: 91025 kg/m3 is implausible"},
     "source: simulated": {"source: dreamt": "source: must be 'measured', 'simulated'"},
     "vehicle: swamp": {
         "vehicle: swap": "did you mean 'swamp'?",
@@ -55,6 +58,13 @@ def test_a_folder_without_a_description_or_without_runs_is_a_fault(tmp_path: Pat
     assert "is missing" in check_dataset(tmp_path)[0].message
     create_dataset(tmp_path, described())
     assert "lists no runs" in check_dataset(tmp_path)[0].message
+
+
+def test_a_run_of_a_load_that_its_boat_cannot_have_is_not_written(tmp_path: Path) -> None:
+    create_dataset(tmp_path, described(mass=58000.0))
+    with pytest.raises(UserError, match=r"dataset\.yaml: mass: 58000 kg is implausible"):
+        append_run(tmp_path, Run("one", circling()))
+    assert not list(tmp_path.glob("*.parquet"))
 
 
 def test_a_folder_of_datasets_is_told_from_one(tmp_path: Path) -> None:
