@@ -18,13 +18,14 @@ from swamp_rl.logs.frames import (
     column_of,
     in_our_frame,
     names_by_column,
-    refuse_degrees,
+    refuse_beyond_turn,
     refuse_halves,
 )
 from swamp_rl.logs.join import Series, joined
 from swamp_rl.logs.log import Log, LogTable, words_of
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.runs.bad_rows import first_of
+from swamp_rl.runs.check import repeated_times
 from swamp_rl.runs.columns import is_angle
 from swamp_rl.runs.faults import Fault, condensed, faults_at
 from swamp_rl.runs.import_foreign import Foreign
@@ -77,6 +78,7 @@ def foreign_of(
     told |= {"times": max(times, key=lambda one: PAST_MIDNIGHT in one)} if times else {}
     if len(used) == 1 and log.tables[used[0]].time is None:
         return _single(log, mapping, found, stamps[used[0]], told)
+    _refuse_coarse_clocks(log, stamps)
     shifts = _clocks(log, mapping, stamps)
     told |= {"clocks": "; ".join(text for _, text in shifts.values())} if shifts else {}
     first = min(one.start for one in stamps.values())
@@ -90,7 +92,7 @@ def foreign_of(
     lost = condensed([fault for one in series.values() for _, fault in one.lost])
     told |= {"cells_left_out": first_of([str(fault) for fault in lost])} if lost else {}
     for name in series.keys() & {"yaw", *ANGLES}:
-        refuse_degrees(log.file, name, series[name].time, series[name].values)
+        refuse_beyond_turn(log.file, name, series[name].time, series[name].values, mapping.units.get(name))
     rate = rate or _rate(log, series)
     grid = joined(log.file, series, rate, fill)
     columns = _in_our_frame(log, grid.columns, mapping)
@@ -145,7 +147,7 @@ def _single(
     if set(QUATERNION) <= set(columns):
         columns["yaw"] = _yaw(columns)
     if "yaw" in columns:  # it is wrapped, other angles are checked as they are
-        refuse_degrees(log.file, "yaw", stamps.time, columns["yaw"])
+        refuse_beyond_turn(log.file, "yaw", stamps.time, columns["yaw"], mapping.units.get("yaw"))
     read = {theirs: name for name, column in found.items() for theirs in column.names.values()}
     faults = [
         fault if fault.column is None else _renamed(_mapped(fault, read[fault.column]), mapping)
@@ -262,6 +264,16 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
     values = np.array(np.broadcast_to(values, table.table.rows.shape))
     unit = mapping.units.get("time")
     return from_numbers(values, f"{log.file}: --map time", factor("time", unit) if unit else None)
+
+
+def _refuse_coarse_clocks(log: Log, stamps: Mapped[str, Stamps]) -> None:
+    """UserError for a table to be joined by times of which most rows have that of the row before."""
+    for name, own in stamps.items():
+        if log.tables[name].time is None and (repeated := repeated_times(own.time)):
+            raise UserError(
+                f"{log.file}: the times of {name} repeat: {repeated}; tables are joined by "
+                "their times, give each row its own"
+            )
 
 
 def _without_quaternion(log: Log, series: dict[str, Series]) -> dict[str, Series]:

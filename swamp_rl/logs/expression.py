@@ -149,21 +149,30 @@ def _value(node: Node, columns: Mapping[str, Array], time: Array | None) -> Arra
 
 
 def _timed(function: str, values: Array, time: Array | None) -> Array:
-    """Derivative or integral over the times; an integral is 0 at the first one, and linear across gaps."""
+    """Derivative or integral (T,) over the times in their order, of rows with one time by the last value; an
+    integral is 0 at the first time, and linear across gaps."""
     if time is None:
         raise UserError(
             f"{function}(): needs the times of the table; it cannot be used in their own expression"
         )
-    if function == "integral":
-        values = np.array(np.broadcast_to(values, time.shape))
-    if values.ndim == 0 or len(values) < 2:
+    timed = np.isfinite(time)
+    times, row = np.unique(time[timed], return_inverse=True)
+    last = np.empty(len(times))
+    last[row] = np.broadcast_to(values, time.shape)[timed]
+    found = np.full(len(time), np.nan)
+    found[timed] = _over(function, last, times)[row]
+    return found
+
+
+def _over(function: str, values: Array, time: Array) -> Array:
+    """Derivative or integral (T,) of values (T,) over increasing times (T,)."""
+    if len(values) < 2:
         return np.zeros(len(time))
-    known = np.isfinite(values) & np.isfinite(time)
+    known = np.isfinite(values)
     if function == "integral":
         even = np.interp(time, time[known], values[known]) if known.any() else values
         return np.concatenate([[0.0], np.cumsum(np.diff(time) * 0.5 * (even[1:] + even[:-1]))])
     if function == "turn_rate":
-        values = values.copy()
         values[known] = np.unwrap(values[known])
     return np.gradient(values, time)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from swamp_rl.angles import wrapped
 from swamp_rl.errors import UserError
 from swamp_rl.logs.mapping import Frame, Mapping
-from swamp_rl.runs.check import counts_turns
+from swamp_rl.runs.check import FASTEST_TURN, counts_turns
 
 Array = NDArray[np.float64]
 
@@ -67,17 +67,34 @@ def refuse_halves(names: Mapped[str, object]) -> None:
             )
 
 
-def refuse_degrees(file: str, name: str, time: Array, angle: Array) -> None:
-    """UserError for a mapped angle (T,) [rad] at times (T,) [s] that passes a turn and counts no turns."""
-    known = np.isfinite(angle) & np.isfinite(time)
+def refuse_beyond_turn(file: str, name: str, time: Array, angle: Array, unit: str | None) -> None:
+    """UserError for a mapped angle (T,) [rad] at times (T,) [s] that passes a turn and counts no turns, or in
+    a row alone; unit: what it is said to be in."""
+    known = np.flatnonzero(np.isfinite(angle) & np.isfinite(time))
     time, angle = time[known], angle[known]
     later = np.diff(time, prepend=-math.inf) > 0.0
-    if len(angle) and np.abs(angle).max() > TURN and not counts_turns(angle[later], time[later]):
-        largest = float(np.abs(angle).max())
+    beyond = np.abs(angle) > TURN
+    counts = counts_turns(angle[later], time[later])
+    wrong = beyond & _apart(angle, time) if counts else beyond
+    if not wrong.any():
+        return
+    largest = int(np.argmax(np.abs(angle) * wrong))
+    if unit == "deg" or counts:
+        told = f"{np.degrees(angle[largest]):.4g} deg" if unit == "deg" else f"{angle[largest]:.4g} rad"
         raise UserError(
-            f"{file}: --map {name}: reaches {largest:.4g} rad, as angles in degrees do; give it in radians "
-            f"(--degrees {name})"
+            f"{file}: --map {name}: row {known[largest] + 1}: {told} is more than a turn; correct it or "
+            "leave the row out"
         )
+    raise UserError(
+        f"{file}: --map {name}: reaches {abs(angle[largest]):.4g} rad, as angles in degrees do; give it in "
+        f"radians (--degrees {name})"
+    )
+
+
+def _apart(angle: Array, time: Array) -> NDArray[np.bool_]:
+    """(T,) whether a row is over a quarter of a turn from both neighbours, and faster than a boat turns."""
+    jumps = np.abs(np.diff(angle)) > np.maximum(0.5 * math.pi, FASTEST_TURN * np.abs(np.diff(time)))
+    return np.append(jumps, True) & np.insert(jumps, 0, True)
 
 
 def in_our_frame(columns: Mapped[str, Array], frame_of: Callable[[str], Frame]) -> dict[str, Array]:

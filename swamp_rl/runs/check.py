@@ -59,7 +59,7 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
         faults.append(
             Fault(file, None, None, f"holds {rows}, a run needs two or more; record it again or remove it")
         )
-    elif repeated := _repeated(table.columns.get("time", np.zeros(0))):
+    elif repeated := repeated_times(table.columns.get("time", np.zeros(0))):
         faults.append(Fault(file, None, "time", f"{REPEATS}: {repeated}; give each row its own"))
     elif table.whole and "time" in table.columns and np.isfinite(table.columns["time"]).all():
         late = _check_time(file, table.columns["time"], table.rows, sample_rate)
@@ -199,7 +199,7 @@ def _check_time(
     )
 
 
-def _repeated(time: NDArray[np.float64]) -> str:
+def repeated_times(time: NDArray[np.float64]) -> str:
     """How many rows have each time, of most rows with the time of the row before; nothing of others."""
     steps = np.diff(time[np.isfinite(time)])
     later = np.flatnonzero(steps > 0.0)

@@ -14,10 +14,12 @@ NOON = 12
 
 
 class Dated(NamedTuple):
-    """Moments, None where a cell is none; `known`: whether the order of day and month is."""
+    """Moments, None where a cell is none; `known`: whether the order of day and month is; where it is not,
+    `moments` has the day first and `month_first` the month."""
 
     moments: list[datetime | None]
     known: bool
+    month_first: Sequence[datetime | None] = ()
 
 
 def from_dates(cells: Sequence[Any]) -> Dated | None:
@@ -39,7 +41,7 @@ def from_dates(cells: Sequence[Any]) -> Dated | None:
     month_first = [_moment(one, 4, 1, 3) for one in found]
     orders = sorted((day_first, month_first), key=lambda one: (one.count(None), _span(one)))
     same = [(one.count(None), _span(one)) for one in orders]
-    return Dated(orders[0], same[0] != same[1] or orders[0] == orders[1])
+    return Dated(orders[0], same[0] != same[1] or orders[0] == orders[1], orders[1])
 
 
 def _moment(found: re.Match[str] | None, year: int, month: int, day: int) -> datetime | None:

@@ -33,12 +33,14 @@ A diagnosis needs a row every second."""
 class Stamps:
     """`time` (T,) s from the first one, NaN where there is none; `start`: that one in s, on the log's clock:
     since 1970, of times of a day since midnight, of other numbers since their zero; `told`: what the log
-    writes; `of_a_day`: whether it is times of a day."""
+    writes; `of_a_day`: whether it is times of a day; `month_first`: of dates of which the order of day and
+    month is not known, the start were the month first."""
 
     time: Array
     start: float
     told: str | None
     of_a_day: bool = False
+    month_first: float | None = None
 
 
 @np.errstate(over="ignore", invalid="ignore")  # numbers near the end of their range are no times
@@ -96,8 +98,12 @@ def from_words(cells: pa.ChunkedArray) -> Stamps | None:
     found = _since_1970(_microseconds(dated.moments), TICKS["us"], "dates and times")
     if found is None or dated.known:
         return found
+    other = _since_1970(_microseconds(dated.month_first), TICKS["us"], "")
     return Stamps(
-        found.time, found.start, "dates and times, of which the order of day and month is not known"
+        found.time,
+        found.start,
+        "dates and times, of which the order of day and month is not known",
+        month_first=None if other is None else other.start,
     )
 
 
@@ -134,12 +140,22 @@ def _of_a_day(cells: pa.ChunkedArray, seconds: pa.ChunkedArray | pa.Array) -> St
 
 
 def on_one_day(stamps: Mapping[str, Stamps]) -> dict[str, Stamps]:
-    """Stamps by tables of one log: those of a day begin within half a day of the first of them."""
-    first = next((one.start for one in stamps.values() if one.of_a_day), 0.0)
-    return {
-        name: replace(one, start=one.start + DAY * round((first - one.start) / DAY)) if one.of_a_day else one
-        for name, one in stamps.items()
-    }
+    """Stamps by tables of one log: those of a day begin within half a day of the first of them. Of dates of
+    which the order of day and month is not known, it is the one nearer to the first date that is."""
+    clock = next((one.start for one in stamps.values() if one.of_a_day), 0.0)
+    known = (one.start for one in stamps.values() if not one.of_a_day and one.month_first is None)
+    date = next(known, None)
+    return {name: _at(one, clock, date) for name, one in stamps.items()}
+
+
+def _at(one: Stamps, clock: float, date: float | None) -> Stamps:
+    """The stamps with the start that is nearest to those [s] of other tables, of a day and since 1970."""
+    if one.of_a_day:
+        return replace(one, start=one.start + DAY * round((clock - one.start) / DAY))
+    if one.month_first is None or date is None:
+        return one
+    start = min(one.start, one.month_first, key=lambda start: abs(start - date))
+    return replace(one, start=start, told=f"dates and times, from {_iso(start)}", month_first=None)
 
 
 def _time_of_day(cell: str | None) -> float | None:

@@ -81,6 +81,18 @@ def test_the_heading_of_a_quaternion_and_rates_of_change() -> None:
     assert evaluated(parsed("integral(x)"), lost, time) == pytest.approx(time**2)
 
 
+@pytest.mark.parametrize("text", ["rate(x)", "turn_rate(x)", "integral(x)"])
+def test_rates_and_integrals_are_those_of_rows_in_the_order_of_their_times(text: str) -> None:
+    time = np.arange(40) * 0.1
+    order = np.concatenate(
+        [np.arange(20, 40), np.arange(20), [5]]
+    )  # of two files, the later first; one row twice
+    x = np.sin(time)
+    found = evaluated(parsed(text), {"x": np.append(x[order], 9.0)}, np.append(time[order], np.nan))
+    assert found[:-1] == pytest.approx(evaluated(parsed(text), {"x": x}, time)[order])
+    assert np.isnan(found[-1])
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -59,6 +59,31 @@ def test_joined_tables_have_one_clock_though_the_day_is_not_known(tmp_path: Path
     assert run.duration == pytest.approx(3.9)
 
 
+@pytest.mark.parametrize("known", ["2024-05-06T", "2024/05/06 ", "06.05.2024 ", "2024-06-05T"])
+def test_a_date_of_either_order_is_the_one_of_the_table_beside_it(tmp_path: Path, known: str) -> None:
+    gps = table(tmp_path / "gps.csv", [known + clock for clock in of_a_day(0.0)], psi=False)
+    imu = table(tmp_path / "imu.csv", [f"05/06/2024 {clock}" for clock in of_a_day(2.0)], x=False)
+    run = imported([gps, imu], join="trip")
+    assert run.columns["north"][0] == pytest.approx(2.0) and run.duration == pytest.approx(3.9)
+
+
+def test_tables_joined_by_times_in_whole_seconds_are_refused(tmp_path: Path) -> None:
+    gps = table(tmp_path / "gps.csv", [f"{int(t)}" for t in TIME], psi=False)
+    imu = table(tmp_path / "imu.csv", [f"{t}" for t in TIME], x=False)
+    with pytest.raises(UserError, match="the times of gps repeat: 10 rows have each time") as told:
+        imported([gps, imu], join="trip")
+    assert "\n" not in str(told.value)
+
+
+def test_a_yaw_beyond_a_turn_in_degrees_is_told_by_its_row(tmp_path: Path) -> None:
+    log = table(tmp_path / "log.csv", [f"{t}" for t in TIME])
+    lines = log.read_text().splitlines()
+    lines[31] = lines[31].rpartition(",")[0] + ",500"
+    log.write_text("\n".join(lines) + "\n")
+    with pytest.raises(UserError, match="--map yaw: row 31: 500 deg is more than a turn; correct it"):
+        imported([log], Wishes(units={"yaw": "deg"}))
+
+
 def test_tables_whose_dates_are_read_in_different_orders_are_not_joined(tmp_path: Path) -> None:
     either = table(tmp_path / "gps.csv", [f"05/06/2024 {clock}" for clock in of_a_day(0.0)], psi=False)
     month_first = table(tmp_path / "imu.csv", [f"05/16/2024 {clock}" for clock in of_a_day(0.0)], x=False)
