@@ -8,11 +8,10 @@ from swamp_rl.boat import load_boat
 from swamp_rl.boat.digest import boat_digest
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
-from swamp_rl.files import os_error, write_text
+from swamp_rl.files import os_error
 from swamp_rl.json_text import model_in, parsed_json
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import MOST_JSON, contents
-from swamp_rl.unfinished import folder_beside
 
 RESULT, INPUT = "diagnosis.json", "fleet_input.json"
 SOURCES = (".csv", ".parquet", ".yaml")
@@ -29,9 +28,8 @@ def diagnose_one(job: str) -> str:
     asked = json.loads(job)
     dataset, out = Path(asked["dataset"]), Path(asked["out"])
     try:
-        with folder_beside(out, RESULT) as part:
-            found = diagnose(dataset, asked["boat"], part, ignore=asked["ignore"])
-            write_text(part / INPUT, json.dumps(asked["input"], indent=1) + "\n")
+        notes = {INPUT: json.dumps(asked["input"], indent=1) + "\n"}
+        found = diagnose(dataset, asked["boat"], out, ignore=asked["ignore"], notes=notes)
     except UserError as error:
         return json.dumps({"error": " ".join(str(error).split())})
     return json.dumps({"verdict": found.verdict, "seconds": found.elapsed_s})

@@ -1,9 +1,10 @@
 """Diagnosis of a boat file from measured runs: causes, their parameters, and the gain of adding them."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +81,7 @@ def diagnose(
     method: Method = "linearised",
     each: Each = serially,
     limits: TrialLimits | None = None,
+    notes: Mapping[str, str] = MappingProxyType({}),
 ) -> Diagnosis:
     """Diagnose a boat file against a folder of runs, or several; writes diagnosis.json, extended_boat.yaml,
     report.html and, where weather was found, conditions.yaml into `out`.
@@ -88,7 +90,8 @@ def diagnose(
     of several; holdout: runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
     ignore: measured weather that is left out (`wind`, `depth`); twins, method, each: of the self-trial, none
     with 0 twins; limits: of the next trial, which is designed and written as next_trial.csv where they are
-    given and there is something to separate or narrow. UserError for data that no diagnosis is possible from.
+    given and there is something to separate or narrow; notes: further texts of the folder, by name of the
+    file. UserError for data that no diagnosis is possible from.
     """
     given = [dataset] if isinstance(dataset, Dataset | Path | str) else list(dataset)
     every = [as_on_disk(one) for one in given]
@@ -120,7 +123,8 @@ def diagnose(
             write_trial(folder, finding.next_trial, model, run_set.dt)
         LOG.info("drawing the report")
         write_report(folder, finding)
-        (folder / RESULT).write_text(finding.diagnosis.model_dump_json(indent=2) + "\n", encoding="utf-8")
+        for name, text in {**notes, RESULT: finding.diagnosis.model_dump_json(indent=2) + "\n"}.items():
+            (folder / name).write_text(text, encoding="utf-8")
     return finding.diagnosis
 
 

@@ -239,8 +239,10 @@ def test_a_folder_of_another_kind_in_a_datasets_place_is_not_removed(folder: Pat
 def test_a_dataset_that_changed_is_diagnosed_again_but_not_over_a_note(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def quick(dataset: Path, boat: str | None, out: Path, ignore: list[str]) -> Diagnosis:
+    def quick(dataset: Path, boat: str, out: Path, ignore: list[str], notes: dict[str, str]) -> Diagnosis:
+        assert out == folder / "out" / "may"  # published once, with the note of its input
         with folder_beside(out, RESULT) as part:
+            (part / INPUT).write_text(notes[INPUT])
             (part / RESULT).write_text(diagnosis().model_dump_json())
         return diagnosis()
 
