@@ -19,7 +19,7 @@ def mission(
     ] = False,
 ) -> None:
     """Simulate a mission's legs; power, current and charge of each battery pack, remaining range."""
-    from swamp_rl.experiments.reports.mission import lines, write_mission
+    from swamp_rl.experiments.reports.mission import DATA, lines, write_mission
 
     from swamp_rl.boat import load_boat
     from swamp_rl.energy.fly import fly
@@ -29,7 +29,7 @@ def mission(
 
     asked, path = load_mission(file)
     if out is not None:
-        refuse_to_replace(out, ("mission.json",))
+        refuse_to_replace(out, (DATA,))
     with told_of(f"{path}: boat") if boat is None else nullcontext():
         sailed = load_boat(boat or asked.boat)
     flight = fly(sailed, asked, path, even_if_empty)

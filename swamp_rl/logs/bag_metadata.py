@@ -68,7 +68,7 @@ class Bag(Part):
 def refuse_odd_bag(folder: Path) -> None:
     """UserError where a bag's description is not whole, or its files are not ordinary ones in the folder."""
     path = ordinary(folder / BAG_METADATA, LARGEST_METADATA)
-    told = read_yaml(path).get(ROOT)
+    told: Any = read_yaml(path).get(ROOT)
     names = told.get("relative_file_paths") if isinstance(told, dict) else None
     if not (isinstance(names, list) and all(isinstance(name, str) for name in names)):
         raise UserError(f"{path}: {ROOT} has no list of names relative_file_paths; copy the bag again")
