@@ -16,6 +16,7 @@ from swamp_rl.experiments.fleet.work import INPUT, RESULT, diagnose_one, input_o
 
 from swamp_rl import __version__
 from swamp_rl.boat import load_boat
+from swamp_rl.boat.digest import boat_digest
 from swamp_rl.clipped import clipped
 from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.result import Diagnosis
@@ -55,15 +56,14 @@ def diagnose_fleet(
     out, given = Path(out), [Path(one) for one in datasets]
     members = members_of(given, boat)
     refuse_unknown(ignore)
-    if boat is not None:
-        load_boat(boat)  # a wrong name is one fault, and not one of every dataset
+    numbers = "" if boat is None else boat_digest(load_boat(boat))  # a wrong name is one fault, not many
     refuse_sources_inside(out, given)
     for dataset in given:
         if out.resolve().is_relative_to(dataset.resolve()):
             raise UserError(f"{out}: lies in the dataset {dataset}; name a folder outside with --out")
     with locked(out):
         _refuse_other_folder(out)
-        jobs, wrong = _jobs(members, out, boat, ignore)
+        jobs, wrong = _jobs(members, out, boat, numbers, ignore)
         try:
             with ExitStack() as pools:
                 if jobs and pool is None:  # a cluster that does not answer then leaves no folder
@@ -146,14 +146,14 @@ def _refuse_other_folder(out: Path) -> None:
 
 
 def _jobs(
-    members: Sequence[Member], out: Path, boat: str | None, ignore: Sequence[str]
+    members: Sequence[Member], out: Path, boat: str | None, numbers: str, ignore: Sequence[str]
 ) -> tuple[dict[str, str], dict[str, str]]:
     """By name, the jobs that are still to be done, and the faults of datasets that cannot even be read."""
     jobs, wrong = {}, {}
     for member in members:
         dataset, folder = Path(member.dataset), out / member.name
         try:
-            note = input_of(dataset, boat, list(ignore), __version__)
+            note = input_of(dataset, boat, numbers, list(ignore), __version__)
         except (UserError, OSError) as error:
             wrong[member.name] = " ".join(str(error).split())
             continue

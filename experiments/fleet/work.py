@@ -4,8 +4,6 @@ import hashlib
 import json
 from pathlib import Path
 
-from swamp_rl.boat import load_boat
-from swamp_rl.boat.digest import boat_digest
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error
@@ -35,17 +33,18 @@ def diagnose_one(job: str) -> str:
     return json.dumps({"verdict": found.verdict, "seconds": found.elapsed_s})
 
 
-def input_of(dataset: Path, boat: str | None, ignore: list[str], version: str) -> dict[str, object]:
+def input_of(
+    dataset: Path, boat: str | None, numbers: str, ignore: list[str], version: str
+) -> dict[str, object]:
     """All that a diagnosis depends on: the boat, None for the dataset's own, what is ignored, and the digest
-    of the dataset's files and of the boat's.
+    of the dataset's files and of the boat's `numbers` (`boat_digest`, empty for the dataset's own).
     """
     digest = hashlib.sha256()
     files = [path for path in sorted(dataset.rglob("*")) if path.suffix in SOURCES and path.is_file()]
     for path in files:
         digest.update(str(path.relative_to(dataset)).encode() + b"\0")
         digest.update(hashlib.sha256(contents(path)).digest())
-    if boat is not None:
-        digest.update(boat_digest(load_boat(boat)).encode())
+    digest.update(numbers.encode())
     return {"boat": boat, "ignore": sorted(ignore), "files": digest.hexdigest(), "swamp_rl": version}
 
 
