@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 from swamp_rl.boat import Boat, load_boat
@@ -47,9 +48,9 @@ class Dataset:
         """Where its boat is read from, for `load_boat`; UserError as `boat_of`."""
         return self.named_boat or boat_file(self.folder, self.meta)
 
-    @property
+    @cached_property
     def boat(self) -> Boat:
-        """Its boat; UserError as `boat_of`."""
+        """Its boat, read once; UserError as `boat_of`."""
         return load_boat(self.named_boat) if self.named_boat else boat_of(self.folder, self.meta)
 
     @property

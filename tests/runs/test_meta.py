@@ -67,6 +67,13 @@ def test_a_run_of_a_load_that_its_boat_cannot_have_is_not_written(tmp_path: Path
     assert not list(tmp_path.glob("*.parquet"))
 
 
+def test_a_dataset_that_was_read_keeps_its_boat(folder: Path) -> None:
+    dataset = read_dataset(folder)
+    boat = dataset.boat
+    (folder / "swamp.yaml").write_text("mass: 60.0\n")
+    assert dataset.boat is boat
+
+
 def test_a_folder_of_datasets_is_told_from_one(tmp_path: Path) -> None:
     for name in ("june", "may"):
         create_dataset(tmp_path / name, described())

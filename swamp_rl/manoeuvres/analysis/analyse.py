@@ -74,7 +74,7 @@ def analyse_dataset(
     boat: another one than its own, or whose runs a plain folder holds.
     """
     dataset = read_dataset(folder, boat)
-    vessel = load_boat(boat) if boat else dataset.boat
+    vessel = dataset.boat if boat is None or boat == dataset.named_boat else load_boat(boat)
     results, refused = analyse_runs(dataset.runs, vessel)
     if not results:
         raise UserError(f"{folder}: {refused[0]}")
