@@ -72,9 +72,8 @@ def close_loop(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
     found = Diagnosis.model_validate_json((folder / "diagnosis" / RESULT).read_text(encoding="utf-8"))
     extended = folder / "diagnosis" / "extended_boat.yaml"
     tables: dict[tuple[str, str], Table] = {}
-    for simulator, boat in zip(SIMULATORS, (scene.experiment.boat, str(extended)), strict=True):
+    for simulator, own in zip(SIMULATORS, (scene, with_boat(scene, str(extended))), strict=True):
         stages = Stages(progress.bars).logged_in(folder / simulator / WORK / "seconds.json")
-        own = with_boat(scene, boat)
         flown = fly(own, truth, folder / simulator, stages)
         tables |= {(called(name, simulator), level): table for (name, level), table in flown.items()}
         progress.seconds.update({f"{name}, {simulator}": s for name, s in stages.seconds.items()})
@@ -115,9 +114,8 @@ def write_logs(truth: Scene, logs: Logs, folder: Path) -> None:
         driven = drive_episodes(boats, pilot, truth.boat, seeds, pilot.step)
     finally:
         boats.close()
-    boat = load_boat(truth.experiment.boat)
     meta = meta_of(
-        boat,
+        truth.boat,
         truth.experiment.boat,
         1.0 / truth.experiment.step,
         "scripted",

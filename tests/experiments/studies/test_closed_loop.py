@@ -88,11 +88,14 @@ def test_a_loop_that_was_killed_goes_on_from_its_logs_diagnosis_and_pilots(
     shutil.rmtree(part / "extended" / "pilots")
     for module, name in ((closed_loop, "diagnose"), (closed_loop, "write_logs"), (learn, "record_scripted")):
         monkeypatch.setattr(module, name, None)  # may not be called
+    loaded: list[str] = []
+    monkeypatch.setattr(closed_loop, "load_boat", lambda boat: (loaded.append(boat), load_boat(boat))[1])
     run_experiment(folder.parent / "small.yaml", out=folder.parent / "again")
     first, second = (
         json.loads((at / "results.json").read_text()) for at in (folder, folder.parent / "again")
     )
     assert {**first, "measured": None} == {**second, "measured": None}
+    assert [Path(boat).name for boat in loaded] == ["extended_boat.yaml"]  # the scene has the other
     seconds = second["measured"]["seconds"]
     assert "train reservoir, extended" in seconds and "train reservoir, nominal" not in seconds
 
