@@ -62,7 +62,10 @@ def evaluate(
     seed: Annotated[int | None, seed_option("Seed of the first episode.")] = None,
     experiment: Annotated[
         str | None,
-        typer.Option(help="Experiment that gives boat, course and levels; by default the first folder's."),
+        typer.Option(
+            help="Experiment that gives boat, course and levels; by default the first folder's, or camogli "
+            "if no folder is named."
+        ),
     ] = None,
     set_: Set = None,
     out: Annotated[

@@ -6,17 +6,21 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from swamp_rl.experiments.artifacts.job import say
 from swamp_rl.experiments.artifacts.provenance import CONFIG, EXPERIMENT, TRAINED, kept_config, same_configs
 from swamp_rl.experiments.config.load import load_experiment, overridden
 from swamp_rl.experiments.config.schema import Experiment, Targets
 from swamp_rl.experiments.studies.run import evaluated
 
 from swamp_rl.errors import UserError
+from swamp_rl.files import shipped_folders
 from swamp_rl.pilots.arguments import Asked, asked_pilot
 from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 
 CHANGEABLE = ("evaluation", "targets")
 """What may differ from the experiment that the pilots were trained in."""
+USUAL = "camogli"
+"""The experiment of the boat and the course that the environment has where nothing else is asked of it."""
 
 
 def evaluate_folders(
@@ -32,12 +36,12 @@ def evaluate_folders(
     several of these, of stored pilots and of others (see `asked_pilot`), all evaluated together. changes:
     keys of `evaluation`, such as `episodes`, `levels` and `seed`. overrides: dotted keys as `key=value`. out:
     the folder of results, by default the one folder itself, or results/evaluation. experiment: the one whose
-    boat, course, data and evaluation are taken; by default the first folder's. UserError where a folder holds
-    no pilot, where none keeps an experiment and none is given, or where `overrides` ask for what would need
-    training.
+    boat, course, data and evaluation are taken; by default the first folder's that keeps one, and `camogli`,
+    with a note, where no folder is named. UserError where a folder holds no pilot, where folders are named of
+    which none keeps an experiment and none is given, or where `overrides` ask for what would need training.
     """
     asked_for = [sources] if isinstance(sources, str | Path) else sources
-    pilots = _folders_once([asked_pilot(str(one)) for one in asked_for])
+    pilots = _once([asked_pilot(str(one)) for one in asked_for])
     if not pilots:
         raise UserError("no folder to evaluate; name one of results, or of a stored pilot")
     out = None if out is None else Path(out)
@@ -49,19 +53,18 @@ def evaluate_folders(
     home = _home(folders[0]) if folders else None
     if len(pilots) == 1 and experiment is None and home is not None and not _is_pilot(folders[0]):
         return _of_results(home, asked, overrides, out)
-    others = {
-        _plain(pilot.name): {"kind": pilot.kind, "options": pilot.options}
-        for pilot in pilots
-        if not pilot.folder
-    }
-    place = out or Path("results") / "evaluation"
-    return _of_pilots(folders, others, experiment, asked, overrides, place)
+    return _of_pilots(pilots, experiment, asked, overrides, out or Path("results") / "evaluation")
 
 
-def _folders_once(pilots: Sequence[Asked]) -> list[Asked]:
-    """The pilots with each folder once: a folder is named again for each code that its pilots need."""
-    named = {id(one) if one.folder is None else one.folder.resolve(): one for one in reversed(pilots)}
-    return list(reversed(named.values()))
+def _once(pilots: Sequence[Asked]) -> list[Asked]:
+    """The pilots, each once, as a folder is named again for each code that its pilots need."""
+    named = {(one.kind, place.resolve() if (place := _place(one)) else None): one for one in pilots}
+    return list(named.values())
+
+
+def _place(pilot: Asked) -> Path | None:
+    """The folder or the file of a pilot; None of one that is a class."""
+    return Path(pilot.options["file"]) if "file" in pilot.options else pilot.folder
 
 
 def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], out: Path | None) -> Path:
@@ -83,28 +86,18 @@ def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], 
 
 
 def _of_pilots(
-    folders: Sequence[Path],
-    others: Mapping[str, Mapping[str, Any]],
+    pilots: Sequence[Asked],
     name: str | None,
     asked: Mapping[str, Any],
     overrides: Iterable[str],
     out: Path,
 ) -> Path:
-    """All pilots of all folders, as kind `stored`, and the plans `others`, in the scene of one experiment."""
-    plans: dict[str, Mapping[str, Any]] = {
-        pilot: {"kind": "stored", "options": {"folder": str(folder)}}
-        for pilot, folder in _pilots_in(folders).items()
-    }
-    for other in others:
-        if other in plans:
-            raise UserError(f"another pilot is called {other} as well; rename its file or folder")
-    plans |= others
+    """All pilots, those of folders as kind `stored`, in the scene of one experiment."""
+    plans = _plans_of(pilots)
+    folders = [pilot.folder for pilot in pilots if pilot.folder is not None]
     homes = [home for folder in folders if (home := _home(folder)) is not None]
     if name is None and not homes:
-        raise UserError(
-            f"{[*folders, *others][0]}: it has no {CONFIG}/{EXPERIMENT} with a boat, a course and levels; "
-            "name an experiment with --experiment"
-        )
+        name = _usual(folders)
     home = homes[0] if name is None else None
     with same_configs(None if home is None else home / CONFIG):
         base = load_experiment(homes[0] if name is None else name)
@@ -118,25 +111,48 @@ def _of_pilots(
         return evaluated(experiment, "evaluate", out, None)
 
 
-def _pilots_in(folders: Sequence[Path]) -> dict[str, Path]:
-    """Folders of pilots by the name they are reported under: their own, with the result's where two agree."""
-    found: list[Path] = []
+def _usual(folders: Sequence[Path]) -> str:
+    """The experiment where none is given; UserError for folders of pilots of which it is not known."""
     for folder in folders:
-        inside = [file.parent for file in sorted(folder.glob(f"pilots/*/{DESCRIPTION}"))]
-        if not _is_pilot(folder) and not inside:
+        if folder not in shipped_folders("pilots").values():
             raise UserError(
-                f"{folder}: holds no trained pilot; name a folder of results or of a stored pilot"
+                f"{folder}: it has no {CONFIG}/{EXPERIMENT} with a boat, a course and levels; name an "
+                f"experiment with --experiment, such as {USUAL}"
             )
-        found += [folder] if _is_pilot(folder) else inside
-    names = [folder.resolve().name for folder in found]
-    named: dict[str, Path] = {}
-    for name, folder in zip(names, found, strict=True):
-        home = _home(folder) or folder.resolve().parent
-        called = _plain(name if names.count(name) == 1 else f"{home.name}-{name}")
-        if called in named:
-            raise UserError(f"{folder}: another pilot is called {called} as well; rename one folder")
-        named[called] = folder
-    return named
+    say(f"boat, course and levels are those of the experiment {USUAL}; --experiment names another")
+    return USUAL
+
+
+def _plans_of(pilots: Sequence[Asked]) -> dict[str, Mapping[str, Any]]:
+    """Plans by the name they are reported under: the pilot's, with that of what holds it where two agree."""
+    found: list[tuple[str, str, str, Mapping[str, Any]]] = []  # name, that of what holds it, where, plan
+    for pilot in pilots:
+        if pilot.folder is None:
+            place = _place(pilot)
+            holder = place.resolve().parent.name if place else pilot.kind.partition(":")[0]
+            where = str(place or pilot.kind)
+            found.append((pilot.name, holder, where, {"kind": pilot.kind, "options": pilot.options}))
+            continue
+        for folder in _stored_in(pilot.folder):
+            holder = (_home(folder) or folder.resolve().parent).name
+            stored = {"kind": "stored", "options": {"folder": str(folder)}}
+            found.append((folder.resolve().name, holder, str(folder), stored))
+    names = [_plain(name) for name, *_ in found]
+    plans: dict[str, Mapping[str, Any]] = {}
+    for name, (own, holder, where, plan) in zip(names, found, strict=True):
+        called = name if names.count(name) == 1 else _plain(f"{holder}-{own}")
+        if called in plans:
+            raise UserError(f"{where}: another pilot is called {called} as well; rename one file or folder")
+        plans[called] = plan
+    return plans
+
+
+def _stored_in(folder: Path) -> list[Path]:
+    """The folder of a stored pilot, or those of the pilots of a folder of results."""
+    inside = [file.parent for file in sorted(folder.glob(f"pilots/*/{DESCRIPTION}"))]
+    if not _is_pilot(folder) and not inside:
+        raise UserError(f"{folder}: holds no trained pilot; name a folder of results or of a stored pilot")
+    return [folder] if _is_pilot(folder) else inside
 
 
 def _plain(name: str) -> str:

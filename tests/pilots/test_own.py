@@ -235,6 +235,38 @@ def test_models_of_sb3_and_onnx_files_are_evaluated_in_the_same_table(
     load_pilot(out / "pilots" / "exported")
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("no_figures")
+def test_models_of_the_same_name_are_all_evaluated_in_the_order_asked_by_the_name_of_their_folders(
+    place: Path,
+) -> None:
+    for folder in ("first", "second"):
+        (place / folder).mkdir()
+        PPO("MlpPolicy", gymnasium.make("swamp/Gates-v1")).save(place / folder / "best_model.zip")
+    named = [f"sb3:{place}/{folder}/best_model.zip" for folder in ("second", "first")]
+    small = {"episodes": 1, "shown": 1}
+    out = evaluate_folders(
+        [*named, "line-of-sight", named[0]],
+        small,
+        ["data.record.good=1"],
+        place / "out",
+        str(write_tiny(place)),
+    )
+    assert list(rates(out)) == ["second-best_model", "first-best_model", "line-of-sight"]
+
+
+@pytest.mark.usefixtures("no_figures")
+def test_pilots_that_keep_no_experiment_are_evaluated_in_the_usual_one_and_told_so(
+    place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(place)
+    small = {"episodes": 1, "shown": 1, "levels": ["calm"]}
+    out = evaluate_folders(["line-of-sight"], small, ["data.record={good: 1, failed: 0}"])
+    kept = load_experiment(out)
+    assert (kept.boat, kept.course, list(kept.pilots)) == ("swamp", "camogli", ["line-of-sight"])
+    assert "those of the experiment camogli; --experiment names another" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("algorithm", [PPO, A2C, SAC, TD3])
 def test_a_model_of_sb3_gives_the_levers_that_its_library_predicts(
     place: Path, algorithm: type[PPO | A2C | SAC | TD3]
