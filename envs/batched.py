@@ -45,13 +45,15 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         **task: Unpack[TaskArguments],
     ) -> None:
         refuse_unknown(task, ("num_envs", "render_mode", "autoreset_mode"))
-        if isinstance(num_envs, bool) or not isinstance(num_envs, int) or not 1 <= num_envs <= MOST_BOATS:
+        whole = isinstance(num_envs, int | np.integer) and not isinstance(num_envs, bool)
+        if not whole or not 1 <= num_envs <= MOST_BOATS:
             raise UserError(f"num_envs: must be a whole number from 1 to {MOST_BOATS}, not {num_envs!r}")
-        self.num_envs = num_envs
+        self.num_envs = int(num_envs)
         self.render_mode = known_render_mode(render_mode)
         self.autoreset_mode = _known_autoreset(autoreset_mode)
-        self.metadata = {**self.metadata, "autoreset_mode": self.autoreset_mode}
         self.task = Task.read(**task)
+        own = {"autoreset_mode": self.autoreset_mode, "render_fps": self.task.frames_per_second}
+        self.metadata = {**self.metadata, **own}
         self.fleet = Fleet(num_envs, self.task)
         self.single_action_space = joypad_space()
         self.action_space = batch_space(self.single_action_space, num_envs)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
-from swamp_rl.envs.own_terms import OwnTerm, own_term
+from swamp_rl.envs.own_terms import OwnTerm, own_term, refuse_function
 
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_NORTH, GATE_SIN
 from swamp_rl.errors import UserError
@@ -136,11 +136,13 @@ def observed(names: Sequence[str] | None) -> Observed:
     """
     if names is None:
         names = OBSERVATION
+    refuse_function("observation", names)
     if isinstance(names, str) or not isinstance(names, Collection) or len(names) == 0:
         raise UserError(
             f"observation: must be a list of names out of {', '.join(NAMES)}, module:function, not {names!r}"
         )
     for name in names:
+        refuse_function("observation", name)
         if name not in NAMES and not is_code(name):
             raise UserError(
                 f"observation: unknown name {name!r}{nearest(str(name), NAMES)}, module:function of your own"

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
 from swamp_rl.errors import UserError
-from swamp_rl.own_code import own_code
+from swamp_rl.own_code import is_code, own_code
 
 Array = NDArray[Any]
 
@@ -98,6 +98,16 @@ class OwnTerm:
                 f"{self.low:g} to {self.high:g}"
             )
         return values
+
+
+def refuse_function(use: str, given: Any) -> None:
+    """UserError for a function itself: a term is given by its name, so that results can tell which it was."""
+    if callable(given):
+        name = f"{getattr(given, '__module__', '')}:{getattr(given, '__qualname__', '')}"
+        text = (
+            repr(name) if is_code(name) else "'module:function' of one made by def, '__main__:function' here"
+        )
+        raise UserError(f"{use}: a function is given by its name as text, {text}")
 
 
 def own_term(use: str, name: str) -> OwnTerm:

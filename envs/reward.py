@@ -5,7 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from swamp_rl.envs.own_terms import refuse_function
+
 from swamp_rl.course.tables import GATE_COS, GATE_EAST, GATE_NORTH, GATE_SIN
+from swamp_rl.effects.entries import is_number
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.own_code import is_code
@@ -114,14 +117,15 @@ def weights_of(given: Mapping[str, Any] | None) -> dict[str, float]:
     """
     if given is None:
         given = {}
+    refuse_function("reward", given)
     if not isinstance(given, Mapping):
         raise UserError(f"reward: must be weights by name of the term, not {given!r}")
     for name, weight in given.items():
+        refuse_function("reward", name)
         if name not in DEFAULTS and not is_code(name):
             known = [f"{term.name} [{term.unit}]" for term in REWARD]
             hint = nearest(str(name), DEFAULTS).partition(" known here")[0]
             raise UserError(f"reward: no term {name!r}{hint} known here: {', '.join(known)}, module:function")
-        number = isinstance(weight, int | float) and not isinstance(weight, bool)
-        if not number or not math.isfinite(weight):
+        if not is_number(weight):
             raise UserError(f"reward: {name}: the weight must be a finite number, not {weight!r}")
     return {**DEFAULTS, **{name: float(weight) for name, weight in given.items()}}

@@ -39,6 +39,7 @@ class GatesVecEnv(VecEnv):
         self._middle, self._reach = 0.5 * (levers.high + levers.low), 0.5 * (levers.high - levers.low)
         whole = spaces.Box(-1.0, 1.0, levers.shape, np.float32)
         super().__init__(boats.num_envs, boats.single_observation_space, whole)
+        self.metadata = {**boats.metadata, "render_fps": boats.metadata["render_fps"] / hold}
 
     def reset(self) -> NDArray[np.float32]:
         """Observations (n, d); boat i takes the seed of `seed()` plus i, if that was called since the last

@@ -38,6 +38,7 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         refuse_unknown(task, ("render_mode",))
         self.render_mode = known_render_mode(render_mode)
         self.task = Task.read(**task)
+        self.metadata = {**self.metadata, "render_fps": self.task.frames_per_second}
         self.fleet = Fleet(1, self.task)
         self.action_space = joypad_space()
         self.observation_space = self.task.observation_space

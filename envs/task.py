@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self, TypedDict, Unpack
 
+import numpy as np
 from gymnasium.spaces import Box
 from swamp_rl.envs.depth import refuse_depth
 from swamp_rl.envs.observation import CHARGE, Observed, observation_space, observed
@@ -17,6 +18,7 @@ from swamp_rl.boat.applicable import refuse_inapplicable
 from swamp_rl.boat.drawn import refuse_without_battery
 from swamp_rl.course import Course, fitted, limited, load_course
 from swamp_rl.effects import Level, load_disturbances
+from swamp_rl.effects.entries import is_number
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.simulator.reference import size_of
@@ -74,6 +76,11 @@ class Task:
         return observation_space(self.observed, len(self.course.gates), self.steps_of_limit * self.step)
 
     @property
+    def frames_per_second(self) -> float:
+        """At which a film of every step is as fast as the boat; whole where a second is whole steps."""
+        return round(1.0 / self.step, 6)
+
+    @property
     def steps_of_limit(self) -> int:
         """Steps to the course's time limit, the last one whole."""
         return math.ceil(self.course.time_limit / self.step - 1e-9)
@@ -124,8 +131,7 @@ def refuse_unknown(given: Mapping[str, Any], further: Sequence[str] = ()) -> Non
 
 
 def _checked_step(step: Any) -> float:
-    number = isinstance(step, int | float) and not isinstance(step, bool)
-    if not number or not SHORTEST_STEP <= step <= LONGEST_STEP:
+    if not is_number(step) or not SHORTEST_STEP <= step <= LONGEST_STEP:
         raise UserError(f"step: must be a time from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s, not {step!r}")
     return float(step)
 
@@ -133,6 +139,6 @@ def _checked_step(step: Any) -> float:
 def _checked_steps(steps: Any) -> int | None:
     if steps is None:
         return None
-    if isinstance(steps, bool) or not isinstance(steps, int) or not 1 <= steps <= MOST_STEPS:
+    if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 1 <= steps <= MOST_STEPS:
         raise UserError(f"max_episode_steps: must be a whole number of at least 1, not {steps!r}")
-    return steps
+    return int(steps)

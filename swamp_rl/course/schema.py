@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from numbers import Real
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -113,9 +114,9 @@ class Range(_Strict):
 
 def _range(given: Any) -> Any:
     """A number as the `Range` that holds it alone."""
-    if isinstance(given, int | float) and not isinstance(given, bool):
+    if isinstance(given, Real) and not isinstance(given, bool):
         if not given > 0.0:
-            raise ValueError(f"must be above 0 m, not {given:g}")
+            raise ValueError(f"must be above 0 m, not {float(given):g}")
         return {"uniform": [given, given]}
     if not isinstance(given, Mapping | Range):
         raise ValueError("must be a number [m], or {uniform: [least, most]}")

@@ -6,6 +6,8 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
+import numpy as np
+
 from swamp_rl.effects.curve import KEYS, Curve, parse_curve
 from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
 from swamp_rl.errors import UserError
@@ -138,7 +140,8 @@ def parameter_number(parameter: Parameter, value: Any, where: str) -> float:
 
 
 def is_number(value: Any) -> bool:
-    """Whether `value` is a finite number (and no truth value)."""
+    """Whether `value` is a finite number, be it of NumPy (and no truth value)."""
+    value = value.item() if isinstance(value, np.number) else value
     # an integer too large for a float is no number here either, and isfinite() would raise on it
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
 

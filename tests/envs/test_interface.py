@@ -98,6 +98,34 @@ def test_a_picture_from_above_shows_both_gates_in_their_colours() -> None:
     assert ((green - red > 80) & ~north_of_middle).any()
 
 
+def test_a_film_of_every_step_is_as_fast_as_the_boat() -> None:
+    from swamp_rl.envs.sb3 import GatesVecEnv
+
+    assert gymnasium.make("swamp/Gates-v1").metadata["render_fps"] == 10
+    assert gymnasium.make("swamp/Gates-v1", step=0.02).metadata["render_fps"] == 50
+    boats = GatesVectorEnv(2, step=0.02, autoreset_mode=AutoresetMode.SAME_STEP)
+    assert boats.metadata["render_fps"] == 50
+    assert GatesVecEnv(boats, hold=5).metadata["render_fps"] == 10
+    assert GatesEnv.metadata["render_fps"] == GatesVectorEnv.metadata["render_fps"] == 10
+
+
+@pytest.mark.parametrize("kind", [np.int64, np.float32])
+def test_numbers_of_numpy_are_numbers(kind: Any) -> None:
+    def made(number: Any, whole: Any) -> GatesVectorEnv:
+        wind = {"effect": "wind", "speed": number(3), "from": {"uniform": [number(0), number(1)]}}
+        weights = {"effort": number(2)}
+        given: dict[str, Any] = {"depth": number(4), "time_limit": number(40), "step": number(1)}
+        return GatesVectorEnv(
+            whole(2), disturbances=[wind], reward=weights, max_episode_steps=whole(30), **given
+        )
+
+    one, other = made(kind, np.int64), made(float, int)
+    np.testing.assert_array_equal(one.reset(seed=1)[0], other.reset(seed=1)[0])
+    for _ in range(3):
+        for part, expected in zip(one.step(np.ones((2, 2))), other.step(np.ones((2, 2))), strict=True):
+            np.testing.assert_equal(part, expected)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
