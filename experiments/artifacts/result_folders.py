@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,8 @@ from swamp_rl.json_text import read_json
 from swamp_rl.names import YAML, file_in
 
 EPISODES = "episodes.parquet"
+DOINGS = ("success", "time", "command_change")
+"""Columns by which the doings of a pilot in an episode are told apart."""
 FILES = {"boat": "boats", "course": "courses"}
 
 
@@ -108,8 +110,8 @@ def _experiment(path: Path) -> dict[str, Any]:
 def entrants(results: Sequence[Result]) -> list[Entrant]:
     """The pilots of all results; those that differ in nothing but seeds are seeds of one entrant.
 
-    A pilot that did the same in every episode is counted once: one that its seeds do not touch, or a copied
-    folder. UserError where the same seeds did different things.
+    A pilot of the same seeds in several results, copied or evaluated again, is one, with the episodes of all;
+    so is one that its seeds do not touch. UserError where the same seeds did different things in an episode.
     """
     groups: dict[tuple[str, str], list[Result]] = {}
     for result in results:
@@ -130,20 +132,38 @@ def entrants(results: Sequence[Result]) -> list[Entrant]:
 
 
 def _different(pilot: str, members: Sequence[Result]) -> tuple[Result, ...]:
-    kept: dict[str, Result] = {}
-    seeds: dict[str, Result] = {}
+    trained: dict[str, Result] = {}
     for result in members:
-        did = _did(pilot, result)
-        if did in kept:
-            continue
         plan = _mark(plan_of(result, pilot))
-        if plan in seeds:
-            raise UserError(
-                f"{result.folder}: {pilot} did otherwise than in {seeds[plan].folder}, though trained alike "
-                "from the same seeds; other versions made them, name one of the two"
-            )
-        kept[did] = seeds[plan] = result
+        trained[plan] = _joined(pilot, trained[plan], result) if plan in trained else result
+    kept: dict[str, Result] = {}
+    for result in trained.values():
+        kept.setdefault(_did(pilot, result), result)
     return tuple(kept.values())
+
+
+def _joined(pilot: str, first: Result, other: Result) -> Result:
+    """The first result with the episodes that the same pilot drove in the other one only.
+
+    UserError where it did otherwise in an episode that both have.
+    """
+    tables = dict(first.tables)
+    for level in other.levels:
+        more, own = other.tables.get((pilot, level)), tables.get((pilot, level))
+        if more is None or own is None:
+            tables |= {} if more is None else {(pilot, level): more}
+            continue
+        _, ours, theirs = np.intersect1d(own["seed"], more["seed"], return_indices=True)
+        if any(own[name][ours].tobytes() != more[name][theirs].tobytes() for name in DOINGS):
+            raise UserError(
+                f"{other.folder}: {pilot} did otherwise than in {first.folder} in the same episodes, though "
+                "trained alike from the same seeds; other versions made them, name one of the two"
+            )
+        new = np.setdiff1d(np.arange(len(more["seed"])), theirs)
+        tables[pilot, level] = {
+            name: np.concatenate([own[name], more[name][new]]) for name in own if name in more
+        }
+    return replace(first, tables=tables)
 
 
 def _did(pilot: str, result: Result) -> str:
@@ -154,7 +174,7 @@ def _did(pilot: str, result: Result) -> str:
         if table is not None:
             order = np.argsort(table["seed"], kind="stable")
             sha.update(level.encode())
-            for name in ("seed", "success", "time", "command_change"):
+            for name in ("seed", *DOINGS):
                 sha.update(np.ascontiguousarray(table[name][order]).tobytes())
     return sha.hexdigest()
 

@@ -63,7 +63,7 @@ def compare(paths: Sequence[Path], seed: int = 0) -> dict[str, Any]:
         "boat": first.experiment.get("boat"),
         "course": first.experiment.get("course"),
         "levels": {level: len(seeds) for level, seeds in episodes.items()},
-        "notes": notes + version_notes(results),
+        "notes": notes + repeat_notes(results, pilots) + version_notes(results),
         "seed": seed,
         "pilots": [pilot_row(pilot, episodes, rng, quantities) for pilot in pilots],
         "comparisons": sum(math.isfinite(row["p"]) for row in made),
@@ -100,6 +100,20 @@ def common_episodes(results: Sequence[Result]) -> tuple[Episodes, list[str]]:
         if most > len(common[level]):
             notes.append(f"{level}: only the {len(common[level])} episodes that all have driven, of {most}.")
     return common, notes
+
+
+def repeat_notes(results: Sequence[Result], pilots: Sequence[Entrant]) -> list[str]:
+    """A line for each result with pilots that are those of an earlier one, so that they count once."""
+    counted = {(one.pilot, result.folder) for one in pilots for result in one.results}
+    notes = []
+    for result in results:
+        again = [pilot for pilot in result.pilots if (pilot, result.folder) not in counted]
+        if again:
+            notes.append(
+                f"{result.folder}: {', '.join(again)} did the same, in every shared episode, as in a result "
+                "named earlier: counted once."
+            )
+    return notes
 
 
 def version_notes(results: Sequence[Result]) -> list[str]:

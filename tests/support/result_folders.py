@@ -34,7 +34,7 @@ def folder_of(
     tables = {}
     for name, won in success.items():
         won, n = np.asarray(won, bool), len(won)
-        noise = np.random.default_rng([seed, len(name)]).random(n)
+        noise = np.random.default_rng([seed, len(name)]).random(first + n)[first:]  # of the episode
         costs = dict.fromkeys(("time", "path_length", "command_change", "energy"), 10.0 + noise)
         if electric:
             costs |= dict.fromkeys(("electric_energy", "energy_per_metre", "range"), 300.0 + noise)

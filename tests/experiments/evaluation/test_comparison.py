@@ -89,7 +89,26 @@ def test_a_pilot_that_started_from_another_is_another_pilot_where_that_was(tmp_p
 def test_a_copied_folder_counts_once(tmp_path: Path) -> None:
     for name in ("a", "b"):
         folder_of(tmp_path / name, {"reservoir": np.arange(20) < 15, "ppo": np.ones(20)})
-    assert [pilot["seeds"] for pilot in compare([tmp_path])["pilots"]] == [1, 1]
+    found = compare([tmp_path])
+    assert [pilot["seeds"] for pilot in found["pilots"]] == [1, 1]
+    assert found["notes"] == [
+        f"{tmp_path / 'b'}: reservoir, ppo did the same, in every shared episode, as in a result named "
+        "earlier: counted once."
+    ]
+
+
+def test_a_pilot_that_was_evaluated_again_in_other_episodes_is_the_same_pilot(tmp_path: Path) -> None:
+    did = np.arange(40) < 25
+    whole = folder_of(tmp_path / "whole", {"reservoir": did[:30], "ppo": np.ones(30)})
+    part = folder_of(tmp_path / "part", {"reservoir": did[20:], "ppo": np.ones(20)}, first=120)
+    for asked in ([whole, part], [part, whole]):
+        found = compare(asked)
+        assert [pilot["seeds"] for pilot in found["pilots"]] == [1, 1]
+        assert found["levels"] == {"calm": 10} and found["comparisons"] == 4
+    (reservoir, _) = (one for one in entrants([read_result(whole), read_result(part)]))
+    (table,) = reservoir.tables("calm")
+    assert sorted(table["seed"]) == list(range(100, 140))
+    assert table["success"][np.argsort(table["seed"])].tolist() == did.tolist()
 
 
 def test_the_same_seeds_with_other_doings_are_told(tmp_path: Path) -> None:
