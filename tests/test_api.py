@@ -154,6 +154,14 @@ def test_there_must_be_folders_to_evaluate(folders: object, part: str) -> None:
         swamp_rl.evaluate(folders)
 
 
+def test_an_object_in_place_of_a_name_or_a_folder_is_one_line() -> None:
+    with pytest.raises(UserError, match=r"type Boat was given; .* save the model and name its file: sb3:"):
+        swamp_rl.evaluate(BOAT)
+    for task in (swamp_rl.train, swamp_rl.run_experiment):
+        with pytest.raises(UserError, match="one of the experiments is of the type dict; give a name or a"):
+            task({"name": "mine"})
+
+
 def test_identified_thrust_deduction_is_the_boat_files(tmp_path: Path) -> None:
     runs = [
         Run(name, swamp_rl.simulate(BOAT, straight_ahead(900, throttle)).columns)

@@ -16,7 +16,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import shipped_folders
 from swamp_rl.json_text import read_json
 from swamp_rl.names import YAML, file_in
-from swamp_rl.pilots.arguments import BUILT_IN, Asked, asked_pilot, known_names, names_pilot
+from swamp_rl.pilots.arguments import Asked, asked_pilot, names_pilot
+from swamp_rl.pilots.store import BUILT_IN, known_names
 from swamp_rl.runs import DatasetMeta, Run, read_dataset, read_run
 from swamp_rl.runs.copies import course_file
 from swamp_rl.runs.dataset import META, boat_of, read_meta

@@ -13,7 +13,7 @@ from swamp_rl.experiments.config.scene import Scene, config_files
 from swamp_rl.experiments.config.schema import Experiment, senses_in
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, yaml_text
+from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, refuse_object, yaml_text
 from swamp_rl.own_code import source_digests
 from swamp_rl.pilots.own import SHIPPED, model_file, own_class, settings_of
 
@@ -51,7 +51,11 @@ def own_code_of(experiment: Experiment) -> dict[str, str]:
 
 
 def kept_config(given: str | Path) -> Path | None:
-    """The `config` folder of a result, given by it, by the result's own folder or by the file in it."""
+    """The `config` folder of a result, given by it, by the result's own folder or by the file in it.
+
+    UserError for what is neither a name nor a path.
+    """
+    refuse_object("experiments", given)
     path = Path(given)
     for folder in (path / CONFIG, path, path.parent):
         if (folder / EXPERIMENT).is_file() and (path.is_dir() or path.name == EXPERIMENT):

@@ -59,7 +59,7 @@ def demo(
     """Show runs of people, scripts and pilots: in rerun, as a video, or as a page."""
     from swamp_rl.experiments.artifacts.demo_runs import read_shown, refuse_missing
 
-    from swamp_rl.demo.viewer import has_display
+    from swamp_rl.demo.viewer import free_port, has_display
 
     window = not (web or save or video or html)
     refuse_suffix("--save", save, ".rrd")
@@ -68,6 +68,7 @@ def demo(
     refuse_missing(sources or [])
     if window and not has_display():
         raise UserError(NOTHING_TO_DO)
+    port = free_port(port) if web else port
     scene = read_shown(sources or [], runs or [], align)
     typer.echo(printable(f"{counted(len(scene.shown), 'run')}: {scene.about}"))
     layout: Layout = "side-by-side" if side_by_side else "overlay"

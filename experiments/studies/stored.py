@@ -40,7 +40,13 @@ def evaluate_folders(
     with a note, where no folder is named. UserError where a folder holds no pilot, where folders are named of
     which none keeps an experiment and none is given, or where `overrides` ask for what would need training.
     """
-    asked_for = [sources] if isinstance(sources, str | Path) else sources
+    asked_for = list(sources) if isinstance(sources, list | tuple) else [sources]
+    for one in asked_for:
+        if not isinstance(one, str | Path):
+            raise UserError(
+                f"evaluate: an object of the type {type(one).__name__} was given; name a folder of pilots, "
+                "or save the model and name its file: sb3:MODEL.zip"
+            )
     pilots = _once([asked_pilot(str(one)) for one in asked_for])
     if not pilots:
         raise UserError("no folder to evaluate; name one of results, or of a stored pilot")

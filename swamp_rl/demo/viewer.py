@@ -1,5 +1,6 @@
 """Rerun's own viewer: in a window, or served to a browser of this machine only."""
 
+import errno
 import os
 import signal
 import socket
@@ -79,7 +80,9 @@ def free_port(asked: int | None) -> int:
         try:
             probe.bind((HOST, asked or 0))
         except (OSError, OverflowError) as error:
-            raise UserError(f"--port {asked}: {error}; name another") from error
+            taken = getattr(error, "errno", None) == errno.EADDRINUSE
+            reason = "already in use" if taken else getattr(error, "strerror", None) or str(error)
+            raise UserError(f"--port {asked}: {reason}; name another, or none for any free one") from error
         return int(probe.getsockname()[1])
 
 

@@ -9,17 +9,13 @@ from typing import Any
 from pydantic import ValidationError
 
 from swamp_rl.errors import UserError
-from swamp_rl.explain import nearest
 from swamp_rl.files import shipped_folders
 from swamp_rl.own_code import own_code
-from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.pilots.own import SHIPPED, OwnPilot, model_file, own_class, settings_of
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.pilots.store import DESCRIPTION, load_pilot
+from swamp_rl.pilots.store import BUILT_IN, DESCRIPTION, load_pilot, unknown_name
 
 CLASS = re.compile(r"(?P<kind>[A-Za-z_][\w.]*:[A-Za-z_]\w*)(=(?P<folder>.+))?")
-BUILT_IN = {"line-of-sight": LineOfSightPilot}
-"Kinds that need neither training nor options, by the name that asks for them."
 
 
 @dataclass(frozen=True)
@@ -52,7 +48,7 @@ def asked_pilot(text: str) -> Asked:
     if named is None:
         shipped = shipped_folders("pilots")
         if text not in shipped and len(Path(text).parts) == 1:
-            raise UserError(f"{text}: no such folder, and no pilot of that name{known_names(text)}")
+            raise unknown_name(text)
         return Asked(Path(text).name, shipped.get(text, Path(text)))
     if named["folder"] is not None:
         if isinstance(own_code(named["kind"]), type):
@@ -60,12 +56,6 @@ def asked_pilot(text: str) -> Asked:
         return Asked(Path(named["folder"]).name, Path(named["folder"]))
     own_class(named["kind"])
     return Asked(named["kind"].partition(":")[2], kind=named["kind"])
-
-
-def known_names(text: str) -> str:
-    """The end of a complaint about `text`, which names no pilot: the names, the nearest one, and a folder."""
-    names = nearest(text, [*BUILT_IN, *shipped_folders("pilots")])
-    return f"{names}; a pilot that was trained is named by its folder, as results/camogli/pilots/cloning"
 
 
 def names_pilot(text: str) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.explain import nearest
 from swamp_rl.files import shipped_folders
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.own_code import is_code, refuse_unnamed
@@ -39,6 +40,10 @@ KINDS: dict[str, Any] = {
     "ppo": NetworkPilot,
     "sac": NetworkPilot,
 }
+
+
+BUILT_IN = {"line-of-sight": LineOfSightPilot}
+"Kinds that need neither training nor options, by the name that asks for them."
 
 
 def save_pilot(
@@ -71,11 +76,15 @@ def save_pilot(
 def load_pilot(folder: Path | str) -> Pilot:
     """The pilot stored in `folder`, ready to be reset; UserError where it is missing, damaged or changed.
 
-    A name of which there is no folder is that of a pilot that comes with the package.
+    A name of which there is no folder is that of a pilot that comes with the package, or `line-of-sight`.
     """
     folder = Path(folder)
-    if not folder.exists():
-        folder = shipped_folders("pilots").get(str(folder), folder)
+    if not folder.exists() and len(folder.parts) == 1:
+        if folder.name in BUILT_IN:
+            return BUILT_IN[folder.name]()
+        if (shipped := shipped_folders("pilots").get(folder.name)) is None:
+            raise unknown_name(folder.name)
+        folder = shipped
     description = describe_pilot(folder)
     refuse_unnamed(description.senses, f"{folder}: the pilot observes")
     weights = _read_weights(folder / WEIGHTS, description)
@@ -87,6 +96,17 @@ def load_pilot(folder: Path | str) -> Pilot:
         cause = f"{error} is missing" if isinstance(error, KeyError) else " ".join(str(error).split())
         raise UserError(f"{folder}: does not hold a whole pilot ({cause}); train it again") from error
     return pilot
+
+
+def unknown_name(text: str) -> UserError:
+    """What is said of `text`, which names neither a folder nor a pilot."""
+    return UserError(f"{text}: no such folder, and no pilot of that name{known_names(text)}")
+
+
+def known_names(text: str) -> str:
+    """The end of a complaint about `text`, which names no pilot: the names, the nearest one, and a folder."""
+    names = nearest(text, [*BUILT_IN, *shipped_folders("pilots")])
+    return f"{names}; a pilot that was trained is named by its folder, as results/camogli/pilots/cloning"
 
 
 def describe_pilot(folder: Path | str) -> Description:

@@ -18,8 +18,8 @@ from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import drive
 from swamp_rl.files import shipped_folders
-from swamp_rl.pilots.arguments import BUILT_IN, asked_pilot, opened
-from swamp_rl.pilots.store import describe_pilot, load_pilot
+from swamp_rl.pilots.arguments import asked_pilot, opened
+from swamp_rl.pilots.store import BUILT_IN, describe_pilot, load_pilot
 from swamp_rl.runs import check_dataset, read_dataset
 
 PILOTS, RUNS = shipped_folders("pilots"), shipped_folders("runs")

@@ -231,6 +231,9 @@ def test_a_pilot_that_comes_with_the_package_is_loaded_by_its_name(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert load_pilot("reservoir").kind == "reservoir"
+    assert load_pilot("line-of-sight").kind == "line-of-sight"
+    with pytest.raises(UserError, match=r"^reservor: no such folder, and .* did you mean 'reservoir'\?"):
+        load_pilot("reservor")
 
 
 def test_the_pilots_in_a_folder_of_results_are_named(tmp_path: Path) -> None:

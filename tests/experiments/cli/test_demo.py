@@ -3,6 +3,7 @@
 import json
 import shutil
 import signal
+import socket
 from pathlib import Path
 
 import psutil
@@ -96,6 +97,7 @@ def test_damaged_results_are_told_without_the_words_of_python(results: Path, tex
 @pytest.mark.parametrize(
     ("words", "part"),
     [
+        (["--web", "--port", "TAKEN"], "already in use; name another, or none for any free one"),
         ([], "no display to open a window on; add --web"),
         (["--save", "demo.txt"], "end the name in .rrd"),
         (["--video", "demo.avi"], "end the name in .mp4 or .gif"),
@@ -108,7 +110,11 @@ def test_what_is_asked_wrongly_is_one_line(
 ) -> None:
     for display in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(display, raising=False)
-    assert_complains(call("demo", results, *words), part)
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        taken = str(other.getsockname()[1])
+        assert_complains(call("demo", results, *[taken if one == "TAKEN" else one for one in words]), part)
     if not words:  # a missing source is told before a missing display
         assert_complains(call("demo", "nowhere"), "nowhere: no such file or folder")
 
