@@ -17,6 +17,7 @@ from swamp_rl.course import Course, course_files, fitted, limited, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml
 from swamp_rl.pilots.made_for import check_made_for
+from swamp_rl.pilots.own import is_named, own_class
 from swamp_rl.pilots.store import describe_pilot
 from swamp_rl.simulator.reference import reference_of
 
@@ -81,11 +82,15 @@ def read_scene(experiment: Experiment, given: Path | str = "experiment") -> Scen
         if plan.kind == "stored":
             folder = plan.options["folder"]
             check_made_for(folder, describe_pilot(folder).made, boat, experiment.step)
-        for senses in senses_in(plan.options):
+        asked = [(f"pilots.{name}.options.senses", senses) for senses in senses_in(plan.options)]
+        senses = getattr(own_class(plan.kind), "senses", None) if is_named(plan.kind) else None
+        if isinstance(senses, list | tuple):
+            asked.append((f"pilots.{name}.kind: {plan.kind}.senses", senses))
+        for where, senses in asked:
             try:
                 Task.read(boat=boat, course=course, observation=senses)
             except UserError as error:
-                raise UserError(f"{given}: pilots.{name}.options.senses: {error}") from error
+                raise UserError(f"{given}: {where}: {error}") from error
     return scene
 
 

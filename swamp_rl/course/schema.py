@@ -2,10 +2,10 @@
 
 import math
 from collections.abc import Mapping
-from numbers import Real
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from swamp_rl.constants import DAY, FASTEST_BOAT, LONGEST_BOAT, SHORTEST_BOAT, SLOWEST_BOAT
@@ -114,9 +114,10 @@ class Range(_Strict):
 
 def _range(given: Any) -> Any:
     """A number as the `Range` that holds it alone."""
-    if isinstance(given, Real) and not isinstance(given, bool):
+    given = given.item() if isinstance(given, np.number) else given
+    if isinstance(given, int | float) and not isinstance(given, bool):
         if not given > 0.0:
-            raise ValueError(f"must be above 0 m, not {float(given):g}")
+            raise ValueError(f"must be above 0 m, not {given:g}")
         return {"uniform": [given, given]}
     if not isinstance(given, Mapping | Range):
         raise ValueError("must be a number [m], or {uniform: [least, most]}")

@@ -14,6 +14,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
 from swamp_rl.ordinary import contents
@@ -123,6 +124,12 @@ class OwnPilot:
     def __init__(self, kind: str, pilot: Any, options: BaseModel) -> None:
         """kind: under which `own_class` knows its class; options: those it was trained with."""
         self.kind, self.pilot, self.options = kind, pilot, options
+        missing = [name for name in ("reset", "act") if not callable(getattr(pilot, name, None))]
+        if missing:
+            raise UserError(
+                f"{kind}: made {clipped(repr(pilot))}, which has no {', '.join(missing)}; return a pilot "
+                "from train and load"
+            )
         senses = getattr(pilot, "senses", None)
         if not isinstance(senses, list | tuple) or not all(isinstance(name, str) for name in senses):
             raise UserError(f"{kind}.senses: must be names of observations in order, not {senses!r}")

@@ -187,6 +187,20 @@ def test_a_file_that_an_own_pilot_does_not_find_again_is_told_with_its_class(pla
         load_pilot(place / "stored")
 
 
+def test_senses_of_a_class_that_there_are_not_are_refused_with_the_pilot_before_any_work(place: Path) -> None:
+    file = place / "my_pilot.py"
+    file.write_text(file.read_text().replace('"gate_cos"', '"gate_cosine"'))
+    told = r"pilots\.mine\.kind: my_pilot:MyPilot\.senses: .*'gate_cosine'; did you mean 'gate_cos'"
+    with pytest.raises(UserError, match=told):
+        run_experiment(experiment(place), out=place / "out")
+    assert not list(place.glob("*out*"))
+
+
+def test_a_class_whose_train_returns_no_pilot_is_told() -> None:
+    with pytest.raises(UserError, match="a:B: made None, which has no reset, act; return a pilot"):
+        OwnPilot("a:B", None, Settings())
+
+
 @pytest.mark.parametrize(
     ("levers", "told"),
     [(np.zeros((3, 3)), "shape"), (np.full((3, 2), np.nan), "finite"), ([[1.0], [1.0, 0.0]], "no array")],
