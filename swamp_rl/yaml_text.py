@@ -37,6 +37,7 @@ _REMEDIES = {
     "did not find expected key": "indent the keys of one block alike",
     "did not find expected ',' or": "close the bracket that was opened before",
     "unexpected end of stream": "close the quotation mark that was opened before",
+    "maximum nesting depth": f"nested more than {DEEPEST} deep",  # the parser's own limit is 1000
 }
 """What to do, by words of the parser's problem."""
 
