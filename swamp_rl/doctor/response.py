@@ -84,12 +84,11 @@ def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Find
     gain, explained = scores[best] - scores[0], max(latest[2] for latest in shifted[best])
     found = []
     if gain > LIKELIER and explained > EXPLAINED:
-        rivals = [
-            tried[i].told for i in range(1, len(tried)) if i != best and scores[best] - scores[i] < LIKELIER
-        ]
-        told = " or ".join([tried[best].told, *rivals])
+        rivals = [i for i in range(1, len(tried)) if i != best and scores[best] - scores[i] < LIKELIER]
+        told = " or ".join(tried[i].told for i in (best, *rivals))
         told += f": the boat answers as if so (log likelihood {gain:+.0f})"
-        advice = "check the mapping, the axes (--frame) and the sign conventions of the commands"
+        advice = "check the mapping, the axes (--frame) and the sign conventions of the commands; it obeys "
+        advice += " or ".join(_mapped(tried[i]) for i in (best, *rivals))
         figures = {"log_likelihood_gain": gain, "explained": explained}
         code, columns = tried[best].code, tried[best].columns
         found.append(Finding("fault", code, columns, told, advice, figures=figures))
@@ -192,6 +191,14 @@ def _both(one: Hypothesis, other: Hypothesis) -> Hypothesis:
     columns = (*one.columns, *(name for name in other.columns if name not in one.columns))
     told = f"{one.told} and {other.told}"
     return Hypothesis(one.code, told, columns, lambda logged: one.undo(other.undo(logged)))
+
+
+def _mapped(hypothesis: Hypothesis) -> str:
+    """The commands that a hypothesis makes of the logged ones, as `--map` gives them."""
+    names = hypothesis.columns
+    made = hypothesis.undo({name: np.array([number]) for number, name in enumerate(names, 1)})
+    signed = {name: int(made[name][0]) for name in names}
+    return ", ".join(f"{name}={'-' * (i < 0)}{names[abs(i) - 1]}" for name, i in signed.items())
 
 
 def _alike(a: Place, b: Place) -> bool:

@@ -77,8 +77,14 @@ def _holds(values: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
 
 
 def _usual_hold(values: Array) -> float:
-    _, lengths = _holds(values)
-    return float(np.median(lengths)) if len(lengths) > 5 else 0.0
+    """Median of the rows between two changes, weighted by the change that ends them: of a boat at rest a
+    sensor changes by its last digit, seldom."""
+    starts, lengths = _holds(values)
+    if len(lengths) <= 5:
+        return 0.0
+    order = np.argsort(lengths[:-1], kind="stable")
+    passed = np.cumsum(np.abs(np.diff(values[starts]))[order])
+    return float(lengths[order[np.searchsorted(passed, 0.5 * passed[-1])]])
 
 
 def _usual_slope(values: Array) -> float:

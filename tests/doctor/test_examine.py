@@ -70,6 +70,24 @@ def test_a_slow_wind_sensor_that_repeats_a_value_is_not_stuck(sound: list[Run], 
     assert [one.code for one in faults(windy, twin)] == ["stuck"]
 
 
+def test_a_position_that_rests_on_its_last_digit_is_not_repeated(sound: list[Run], twin: Boat) -> None:
+    def coarse(run: Run, every: int) -> Run:
+        """At rest for three times the run, then the run, of a receiver with a fix each `every` rows."""
+        rest = np.random.default_rng(5).random(1803) < 0.1
+        columns = {name: np.concatenate([np.full(1803, v[0]), v]) for name, v in run.columns.items()}
+        north = np.round(columns["north"] - columns["north"][0], 2)
+        north[:1803] = 0.01 * np.cumsum(rest * np.resize([1.0, -1.0], 1803))
+        held = np.arange(len(north)) // every * every
+        return Run(run.name, columns | {"time": STEP * np.arange(2404), "north": north[held]})
+
+    def repeated(every: int) -> list[float]:
+        found = examine([coarse(run, every) for run in sound], twin)
+        return [one.figures["rows"] for one in found if one.code == "repeated"]
+
+    assert repeated(1) == []
+    assert repeated(4) == [4.0]
+
+
 @pytest.mark.parametrize("calm_from", [0, 300])
 def test_an_anemometer_that_reads_zero_in_a_calm_is_not_stuck(
     sound: list[Run], twin: Boat, calm_from: int
@@ -180,6 +198,21 @@ def test_a_seeded_fault_is_named_with_its_column(what: str, sound: list[Run], tw
     found = faults([Run(run.name, change(dict(run.columns))) for run in sound], twin)
     assert any(finding.code == code and column in finding.columns for finding in found), found
     assert all("\n" not in str(finding) for finding in found)
+
+
+def test_an_exchange_and_a_flip_are_told_as_the_mapping_that_undoes_them(
+    sound: list[Run], twin: Boat
+) -> None:
+    def logged(columns: Columns) -> Columns:
+        return {
+            **columns,
+            "throttle_port": columns["throttle_starboard"],
+            "throttle_starboard": -columns["throttle_port"],
+        }
+
+    (finding,) = faults([Run(run.name, logged(dict(run.columns))) for run in sound], twin)
+    told = "it obeys throttle_port=-throttle_starboard, throttle_starboard=throttle_port"
+    assert finding.code == "commands_exchanged" and finding.advice.endswith(told)
 
 
 def test_a_command_at_its_lever_s_end_is_not_cut_off(sound: list[Run], twin: Boat) -> None:
