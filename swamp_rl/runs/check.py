@@ -21,6 +21,8 @@ DEGREES = 180.0 / math.pi
 FASTEST_TURN = 1.5  # rad/s that a boat keeps up; in degrees a second hardly more than a drift
 MOST_REPEATED = 0.5
 """Of the steps of time: where more are 0, the clock is coarser than the rows."""
+BARELY_BEYOND = 1.1
+"""Greatest command [1] whose zero or full value is taken for a little off."""
 REPEATS = "repeats"
 WRAP = "wrap it into that range"
 MISSING = "is missing; add it"
@@ -158,6 +160,8 @@ def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:
         return "it looks like percent, divide by 100"
     if span.unit == "1" and np.quantile(np.abs(values), 0.5) >= 800.0 and largest <= 2500.0:
         return "it looks like a pulse width in us, map it to the range, as in (pwm - 1500) / 400"
+    if span.unit == "1" and 1.0 < largest <= BARELY_BEYOND:
+        return "a little beyond its range, clip it, as in clip((pwm - 1510) / 400, -1, 1)"
     if span.unit == "1" and span.low == 0.0 and values.min() < 0.0 and largest <= 1.0:
         return "if the thruster reverses, give it astern_linear and astern_quadratic in the boat file"
     if span.unit in ("m", "m/s"):

@@ -113,6 +113,11 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
             ["looks like a pulse width", "(pwm - 1500) / 400"],
         ),
         (
+            {**foreign(), "throttle_bs": [1.0275] * 40},
+            WISHES,
+            ["1.0275 is outside", "clip((pwm - 1510) / 400, -1, 1)"],
+        ),
+        (
             {**foreign(), "throttle_left": [0.1] * 40},
             WISHES,
             ["has no thruster 'left'", "the boat that has it (--map or --column, --drop, --boat)"],
