@@ -106,8 +106,27 @@ def short_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) ->
     """The fit to windows of SHORT with SOFT noise, from x (p,) or the start file. weight: (R, T, 6) by the
     noise.
     """
-    soft = soft_weights(weight, run_set.boat)
-    return fit_windows(run_set, soft, SHORT, hypothesis, x, others=(hypothesis.prior()[0],))[1]
+    problem = Shooting(run_set, soft_weights(weight, run_set.boat), SHORT)
+    x, states, _ = likeliest(problem, hypothesis, (x, hypothesis.prior()[0]))
+    return sound_fit(problem, hypothesis, x, states, STEPS, fresh=True)[1]
+
+
+def sound_fit(
+    problem: Shooting, hypothesis: FreeBoat, x: Array, states: Array, steps: int, fresh: bool = False
+) -> tuple[Shooting, Fit, NDArray[np.bool_]]:
+    """The fit from x (p,) and states (W, 6), its problem, and (W,) the windows that it keeps: those in which
+    the boat of x and the boats a difference away from it do not diverge. Another window has no slopes; with it
+    the fit would end where it is, without a covariance.
+    """
+    kept = np.ones(len(states), dtype=bool)
+    while True:
+        made = fit(problem, hypothesis, x, states, steps, fresh)
+        information, gradient = made.normal.information, made.normal.gradient
+        sound = np.isfinite(information).all(axis=(1, 2)) & np.isfinite(gradient).all(axis=1)
+        if sound.all() or not sound.any():
+            return problem, made, kept
+        kept[kept] = sound
+        problem, x, states = problem.part(sound), made.x, made.states[sound]
 
 
 def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> BoatFit:
@@ -122,7 +141,8 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
 
     Weights of the windows: the residual's standard deviation by channel, its integrated autocorrelation
     time, so that the likelihood counts independent samples beside the prior, and Huber's weight of each
-    window. Windows in which the boat of x diverges are left out. weight: (R, T, 6) by the measurement noise.
+    window. Windows in which the boat of x, or of a later one (`sound_fit`), diverges are left out. weight:
+    (R, T, 6) by the measurement noise.
     """
     boat = run_set.boat
     seconds, soft = window_length(boat), soft_weights(weight, boat)
@@ -141,8 +161,11 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
     def fitted(
         sigma: Array, x: Array, states: Array, steps: int, fresh: bool = False
     ) -> tuple[Shooting, Fit]:
+        nonlocal sound, trust
         problem = weighted(Shooting(run_set, seen / sigma, seconds).part(sound), trust)
-        return problem, fit(problem, hypothesis, x, states, steps, fresh)
+        problem, made, kept = sound_fit(problem, hypothesis, x, states, steps, fresh)
+        sound[sound], trust = kept, trust[kept]
+        return problem, made
 
     samples = correlation_samples(by_channel(problem, residual[sound]))
     for _ in range(ROUNDS):

@@ -8,7 +8,7 @@ import pytest
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted
-from swamp_rl.boat_fit.fit import fit_boat, fit_windows, lost_freedom
+from swamp_rl.boat_fit.fit import fit_boat, fit_windows, lost_freedom, sound_fit
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import identify_boat, numbers_of
 from swamp_rl.boat_fit.numbers import free_numbers
@@ -139,6 +139,23 @@ def test_a_fit_ends_no_farther_from_the_runs_than_the_start_file_wherever_it_beg
     _, own = fit_windows(runs, weight, 5.0, hypothesis, start, 1)
     assert kept.chi2 == pytest.approx(own.chi2)
     assert own.chi2 < lost.chi2
+
+
+def test_a_window_in_which_the_boat_diverges_does_not_end_the_fit(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=1, seconds=60.0)
+    hypothesis = free_boat(runs.boat, free_numbers(runs.boat), 0)
+    weight = weights(runs, noise_levels(runs))
+    x = hypothesis.start()
+    problem, begun = fit_windows(runs, weight, 5.0, hypothesis, x, 1)
+    states, others = begun.states.copy(), np.arange(len(begun.states)) != 2
+    states[2, 5] = 1e8  # rad/s
+
+    _, made, kept = sound_fit(problem, hypothesis, x, states, 3)
+    _, without, _ = sound_fit(problem.part(others), hypothesis, x, states[others], 3)
+
+    assert kept.tolist() == others.tolist()
+    assert np.isfinite(made.covariance).all()
+    assert (made.x != x).any() and made.chi2 == pytest.approx(without.chi2)
 
 
 def test_a_fit_whose_covariance_is_infinite_keeps_its_noise(tmp_path: Path) -> None:
