@@ -12,7 +12,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.logs.clock import clock_offset
-from swamp_rl.logs.expression import Node, evaluated, names_in, parsed
+from swamp_rl.logs.expression import Name, Node, evaluated, names_in, parsed
 from swamp_rl.logs.frames import (
     QUATERNION,
     column_of,
@@ -62,7 +62,11 @@ def foreign_of(
     mapping that does not fit together, tables without a common time.
     """
     refuse_halves(mapping.columns)
-    found = {name: _resolved(log, name, node) for name, node in mapping.columns.items() if name != "time"}
+    found = {name: _resolved(log, name, node) for name, node in mapping.columns.items() if not _is_time(name)}
+    for name in mapping.columns.keys() - found.keys() - {"time"}:
+        if (table := name.rpartition(".")[0]) not in log.tables:
+            near = nearest(table, list(log.tables))
+            raise UserError(f"{log.file}: --map {name}: there is no table {clipped(table)!r}{near}")
     if not found:
         raise UserError(f"{log.file}: the mapping names no column but time; map north and east, and heading")
     used = list(dict.fromkeys(column.table for column in found.values() if column.table))
@@ -240,7 +244,8 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
     """The times of a table: counted [Hz], or as the mapping says, else its own."""
     if counted is not None:
         return Stamps(np.arange(len(table.table.rows)) / counted, 0.0, None)
-    node = mapping.columns.get("time")
+    name = mapping.time_of(table.name)
+    where, node = f"--map {name}", mapping.columns.get(name)
     if node is None:
         if table.time is None:
             some = ", ".join(list(table.table.columns)[:MOST_NAMED])
@@ -250,20 +255,37 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
         return Stamps(table.time, 0.0, None)
     words = list(dict.fromkeys(names_in(node)))
     alone = Log(log.file, log.name, {table.name: table})
-    there = {word: _find(alone, "--map time", word)[1] for word in words}
+    if len(log.tables) > 1 and name == "time":
+        where += f" of table {table.name} (--map {table.name}.time=COLUMN gives its own)"
+    there = {word: _find(alone, where, word)[1] for word in words}
     if len(words) == 1 and (cells := words_of(table, there[words[0]])) is not None:
         told = from_words(cells)
         if told is None:
             cell = clipped(cell_text(cells, 0), 40)
             raise UserError(
-                f"{log.file}: --map time: {cell!r} is no time; give seconds, ticks since 1970 or "
+                f"{log.file}: {where}: {cell!r} is no time; give seconds, ticks since 1970 or "
                 "ISO 8601 (2026-05-01T12:00:00.100Z), in a spreadsheet the format yyyy-mm-dd hh:mm:ss.000"
             )
-        return told
+        return told if isinstance(node, Name) else _shifted(told, node, words[0])
     values = evaluated(node, {word: table.table.columns[column] for word, column in there.items()})
     values = np.array(np.broadcast_to(values, table.table.rows.shape))
-    unit = mapping.units.get("time")
-    return from_numbers(values, f"{log.file}: --map time", factor("time", unit) if unit else None)
+    unit = mapping.units.get(name)
+    return from_numbers(values, f"{log.file}: {where}", factor("time", unit) if unit else None)
+
+
+def _is_time(name: str) -> bool:
+    """Whether a name of a mapping is that of times, of all tables or of one."""
+    return name.rpartition(".")[2] == "time"
+
+
+def _shifted(told: Stamps, node: Node, word: str) -> Stamps:
+    """The times that an expression makes of others [s], as `Uhrzeit - 7200` of a clock two hours ahead."""
+    values = np.array(np.broadcast_to(evaluated(node, {word: told.start + told.time}), told.time.shape))
+    known = values[np.isfinite(values)]
+    start = float(known[0]) if len(known) else 0.0
+    return replace(
+        told, time=values - start, start=start, told=f"{told.told}, shifted by {start - told.start:+.6g} s"
+    )
 
 
 def _refuse_coarse_clocks(log: Log, stamps: Mapped[str, Stamps]) -> None:
@@ -356,7 +378,8 @@ def _is_constant(values: Array) -> bool:
 
 def _left_out(log: Log, mapping: Mapping, found: Mapped[str, Column], used: list[str]) -> dict[str, str]:
     """The columns of the tables in use that no expression reads, but those of one value."""
-    time = {word for node in [mapping.columns.get("time")] if node for word in names_in(node)}
+    times = [mapping.columns.get(mapping.time_of(name)) for name in used]
+    time = {word for node in times if node for word in names_in(node)}
     read = {(column.table, theirs) for column in found.values() for theirs in column.names.values()}
     others = [
         column if len(log.tables) == 1 else f"{name}.{column}"

@@ -66,7 +66,10 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     rows = (end - start) * rate + 1.0 + 1e-9
     if rows < 2.0:
         spans = "; ".join(_spans(series))
-        raise UserError(f"{file}: the tables have no time in common ({spans}); map other tables, or --clock")
+        raise UserError(
+            f"{file}: the tables have no time in common ({spans}); map other tables, or, for clocks that are "
+            f"hours apart, --map {last}.time='COLUMN + SECONDS'"
+        )
     given = max(len(one.time) for one in series.values())
     most = most_rows(len(series) + 1, given)
     if not rows < most:

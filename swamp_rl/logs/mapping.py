@@ -18,8 +18,9 @@ from swamp_rl.runs.units import UNITS
 Frame = Literal["ned", "enu"]
 WITH_AXES = ("x", "y", "yaw", "qw", "qx", "qy", "qz", "vx", "vy", "u", "v", "r")
 """Quantities that a frame gives the axes of."""
-COLUMN = re.compile(r"[A-Za-z_]\w{0,99}", re.ASCII)
-OPTION = re.compile(r"\s*([A-Za-z_]\w{0,99})\s*=(?!=)(.*)", re.ASCII | re.DOTALL)
+COLUMN = re.compile(r"[A-Za-z_]\w{0,99}|\w{1,100}\.time", re.ASCII)
+"""A column of a run, or the times of one table."""
+OPTION = re.compile(rf"\s*({COLUMN.pattern})\s*=(?!=)(.*)", re.ASCII | re.DOTALL)
 MOST_COLUMNS = 200
 
 
@@ -45,7 +46,7 @@ class Given(BaseModel):
 
 
 class MappingFile(BaseModel):
-    """A mapping as a file: `columns` by our names, the `frame` of x, y, yaw, vx, vy, u, v, r (by default that
+    """A mapping as a file: `columns` by our names, of the times of one table `TABLE.time`, the `frame` of x, y, yaw, vx, vy, u, v, r (by default that
     of the log's format), and `clock`: pairs of expressions `A ~ B` of one quantity in two tables, whose
     clocks are compared."""
 
@@ -74,6 +75,10 @@ class Mapping:
     frame: Frame | None = None
     clock: Sequence[str] = ()
     frames: Mapped[str, Frame] = field(default_factory=dict)
+
+    def time_of(self, table: str) -> str:
+        """The name that the times of a table have: its own, `TABLE.time`, where the mapping gives them."""
+        return own if (own := f"{table}.time") in self.columns else "time"
 
     @property
     def names(self) -> set[str]:

@@ -140,19 +140,27 @@ def _of_a_day(cells: pa.ChunkedArray, seconds: pa.ChunkedArray | pa.Array) -> St
 
 
 def on_one_day(stamps: Mapping[str, Stamps]) -> dict[str, Stamps]:
-    """Stamps by tables of one log: those of a day begin within half a day of the first of them. Of dates of
-    which the order of day and month is not known, it is the one nearer to the first date that is."""
-    clock = next((one.start for one in stamps.values() if one.of_a_day), 0.0)
-    known = (one.start for one in stamps.values() if not one.of_a_day and one.month_first is None)
+    """Stamps by tables of one log: those of a day begin within half a day of the first table with a date, or
+    without one of the first of them. Where the order of day and month is not known, it is the one nearer to
+    the first date of which it is.
+    """
+    known = (
+        one.start for one in stamps.values() if one.told and not one.of_a_day and one.month_first is None
+    )
     date = next(known, None)
-    return {name: _at(one, clock, date) for name, one in stamps.items()}
+    ordered = {name: _ordered(one, date) for name, one in stamps.items()}
+    dated = [one.start for one in ordered.values() if one.told and not one.of_a_day]
+    first = next(iter(dated + [one.start for one in ordered.values() if one.of_a_day]), 0.0)
+    return {
+        name: replace(one, start=one.start + DAY * round((first - one.start) / DAY)) if one.of_a_day else one
+        for name, one in ordered.items()
+    }
 
 
-def _at(one: Stamps, clock: float, date: float | None) -> Stamps:
-    """The stamps with the start that is nearest to those [s] of other tables, of a day and since 1970."""
-    if one.of_a_day:
-        return replace(one, start=one.start + DAY * round((clock - one.start) / DAY))
-    if one.month_first is None or date is None:
+def _ordered(one: Stamps, date: float | None) -> Stamps:
+    """The stamps, their day and month in the order with the start that is nearest to a date [s since 1970].
+    """
+    if one.of_a_day or one.month_first is None or date is None:
         return one
     start = min(one.start, one.month_first, key=lambda start: abs(start - date))
     return replace(one, start=start, told=f"dates and times, from {_iso(start)}", month_first=None)

@@ -84,6 +84,35 @@ def test_a_yaw_beyond_a_turn_in_degrees_is_told_by_its_row(tmp_path: Path) -> No
         imported([log], Wishes(units={"yaw": "deg"}))
 
 
+def test_a_table_may_name_times_of_its_own_and_shift_those_of_another_zone(tmp_path: Path) -> None:
+    local = table(tmp_path / "gps.csv", of_a_day(0.0, "16:00:00.000"), psi=False)
+    utc = table(tmp_path / "imu.csv", [f"2024-06-05 {clock}" for clock in of_a_day(2.0)], x=False)
+    utc.write_text(utc.read_text().replace("t,", "Zeit UTC,", 1))
+    places = ["x=gps.x", "y=gps.y", "yaw=imu.psi"]
+
+    def run_of(out: str, *times: str) -> Run:
+        reading = Reading(mapping_of([*times, *places]), "trip")
+        import_logs([local, utc], "csv", tmp_path / out, About(), Wishes(), reading)
+        (run,) = read_dataset(tmp_path / out).runs
+        return run
+
+    with pytest.raises(UserError, match=r"--map time of table imu \(--map imu.time=COLUMN gives its own\)"):
+        run_of("one", "time=t")
+    with pytest.raises(UserError, match="for clocks that are hours apart, --map imu.time="):
+        run_of("apart", "time=t", "imu.time=`Zeit UTC`")
+    run = run_of("shifted", "gps.time=t - 7200", "imu.time=`Zeit UTC`")
+    assert run.columns["north"][0] == pytest.approx(2.0)
+    assert run.columns["heading"] == pytest.approx(0.01 * run.time, abs=1e-6)
+    assert (run.meta.model_extra or {})["times"] == "of a day, from 16:00:00.000, shifted by -7200 s"
+
+
+def test_times_of_a_table_that_is_not_there_are_refused(tmp_path: Path) -> None:
+    gps = table(tmp_path / "gps.csv", of_a_day(0.0))
+    reading = Reading(mapping_of(["time=t", "imu.time=t", "x=x", "y=y", "yaw=psi"]))
+    with pytest.raises(UserError, match=r"--map imu.time: there is no table 'imu'; known here: gps"):
+        import_logs([gps], "csv", tmp_path / "out", About(), Wishes(), reading)
+
+
 def test_tables_whose_dates_are_read_in_different_orders_are_not_joined(tmp_path: Path) -> None:
     either = table(tmp_path / "gps.csv", [f"05/06/2024 {clock}" for clock in of_a_day(0.0)], psi=False)
     month_first = table(tmp_path / "imu.csv", [f"05/16/2024 {clock}" for clock in of_a_day(0.0)], x=False)
