@@ -14,12 +14,15 @@ from swamp_rl.doctor.jumps import jump_findings
 from swamp_rl.doctor.kinematics import kinematic_findings
 from swamp_rl.doctor.ranges import range_findings
 from swamp_rl.doctor.response import response_findings
-from swamp_rl.doctor.smooth import motion_of
+from swamp_rl.doctor.smooth import Motion, motion_of
 from swamp_rl.doctor.stuck import stuck_findings
 from swamp_rl.doctor.times import JUMP, time_findings
 from swamp_rl.runs import Run
 from swamp_rl.runs.columns import REQUIRED
 
+LONGEST_ROW = 0.25
+"""Lengths that the boat passes from row to row: the motion's corner, speed / (2 pi length), then lies at a fifth
+of the band in which `filtered` looks for noise."""
 SHORTEST_STEP = 1e-6
 """s: of the rows of a log; a window of any length then has a count of rows."""
 
@@ -38,8 +41,10 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     found += ranges + stuck_findings(runs, measured) + command_findings(runs)
     found += [] if boat is None else other_boat_findings(runs, boat)
     even = [run for run in runs if _even(run)]
-    found += filter_findings([run for run in even if _whole(run)], measured)
-    motions = [motion for run in even if (motion := motion_of(run)) is not None]
+    moved = [(run, motion_of(run)) for run in even]
+    resolved = [run for run, motion in moved if _whole(run) and _is_resolved(motion, boat)]
+    found += filter_findings(resolved, measured)
+    motions = [motion for _, motion in moved if motion is not None]
     kinematic, motions = kinematic_findings(motions)
     found += kinematic + response_findings(motions, boat)
     return sorted(found, key=lambda finding: finding.level != "fault")
@@ -59,6 +64,15 @@ def _whole(run: Run) -> bool:
     """Whether no row is missing: a gap is a step in every channel."""
     steps = np.diff(run.time)
     return bool(steps.max() <= JUMP * float(np.median(steps)))
+
+
+def _is_resolved(motion: Motion | None, boat: Boat | None) -> bool:
+    """Whether the rows come fast enough for the hull's motion to lie below the noise at their Nyquist
+    frequency: it turns within about a length passed. Taken for granted without a boat."""
+    if motion is None or boat is None:
+        return True
+    speed = float(np.sqrt(np.mean(np.abs(motion.velocity) ** 2)))
+    return speed * motion.step <= LONGEST_ROW * boat.length
 
 
 def _even(run: Run) -> bool:

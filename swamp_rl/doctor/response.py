@@ -35,6 +35,8 @@ COARSE = 0.4
 """s: of the first search, less than a window on either side."""
 SHORTEST_LATENCY = 0.5
 """s: below it, latency cannot be told from lags of pumps, propeller races and waves of the hull."""
+SHORTEST_STEPS = 2.0
+"""Rows: a row's command may have been given up to a step before, and slopes reach a step to either side."""
 
 
 @dataclass(frozen=True)
@@ -288,9 +290,10 @@ def _latency(
 ) -> list[Finding]:
     """The likeliest shift, where it is significant and not small."""
     shift, score, explained = latest
-    if abs(shift) < SHORTEST_LATENCY or explained < EXPLAINED:
+    shortest = max(SHORTEST_LATENCY, SHORTEST_STEPS * answers[0].motion.step)
+    if abs(shift) < shortest or explained < EXPLAINED:
         return []
-    nearest = math.copysign(SHORTEST_LATENCY - 1e-6, shift)
+    nearest = math.copysign(shortest - 1e-6, shift)
     gain = score - max(_score(answers, demands, at)[0] for at in (0.0, 0.5 * nearest, nearest))
     if gain < LIKELIER:
         return []

@@ -1,6 +1,7 @@
 """The doctor names what was done to runs, and is silent on sound ones."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
 from swamp_rl.simulator.replay import replay
 from tests.support.from_scratch import written
+from tests.support.new_boats import new_boat
 
 Columns = dict[str, np.ndarray]
 STEP = 0.1
@@ -238,6 +240,26 @@ def test_the_size_of_an_offset_and_of_a_latency_is_told(sound: list[Run], twin: 
     assert finding.figures["offset_rad"] == pytest.approx(-1.0, abs=0.15)
     (finding,) = faults([Run(r.name, late(1.5)(dict(r.columns))) for r in sound], twin)
     assert finding.figures["latency_s"] == pytest.approx(1.5, abs=0.35)
+
+
+def test_a_fast_boat_logged_once_a_second_is_sound(tmp_path: Path) -> None:
+    """Turns and commands between its rows are neither a filter nor a latency."""
+    boat = new_boat(tmp_path, "outboard", 5.0, thrust=3500.0, top_speed=11.0)
+    level, angle = boat.thrusters[0].command_columns[::-1]
+    rng, rows = np.random.default_rng(1), 6001
+    holds = rng.integers(50, 200, 400)
+    columns = {name: np.zeros(rows) for name in ("north", "east", "heading", "surge", "sway", "yaw_rate")}
+    columns |= {"time": STEP * np.arange(rows)}
+    columns[str(level)] = np.repeat(rng.choice([0.2, 0.35, 0.5, 0.7, 0.9], 400), holds)[:rows]
+    columns[str(angle)] = np.repeat(np.radians(rng.choice([-25, -12, -5, 0, 5, 12, 25], 400)), holds)[:rows]
+    run = dict(replay(boat, Run("fast", columns)).columns)
+    for name, deviation in (("north", 0.1), ("east", 0.1), ("heading", 0.02)):
+        run[name] = run[name] + deviation * rng.standard_normal(rows)
+    logged = ("time", "north", "east", "heading", str(level), str(angle))
+    slow = Run(
+        "fast", {name: run[name][::10] for name in logged} | {"heading": wrapped(run["heading"][::10])}
+    )
+    assert faults([slow], boat) == []
 
 
 def test_runs_too_short_are_no_fault_and_those_without_a_pose_are(twin: Boat) -> None:
