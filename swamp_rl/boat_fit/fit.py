@@ -115,8 +115,8 @@ def sound_fit(
     problem: Shooting, hypothesis: FreeBoat, x: Array, states: Array, steps: int, fresh: bool = False
 ) -> tuple[Shooting, Fit, NDArray[np.bool_]]:
     """The fit from x (p,) and states (W, 6), its problem, and (W,) the windows that it keeps: those in which
-    the boat of x and the boats a difference away from it do not diverge. Another window has no slopes; with it
-    the fit would end where it is, without a covariance.
+    the boat of x and the boats a difference away from it do not diverge. Another window has no slopes; with
+    it the fit would end where it is, without a covariance.
     """
     kept = np.ones(len(states), dtype=bool)
     while True:

@@ -21,8 +21,8 @@ from swamp_rl.runs import Run
 from swamp_rl.runs.columns import REQUIRED
 
 LONGEST_ROW = 0.25
-"""Lengths that the boat passes from row to row: the motion's corner, speed / (2 pi length), then lies at a fifth
-of the band in which `filtered` looks for noise."""
+"""Lengths that the boat passes from row to row: the motion's corner, speed / (2 pi length), then lies at
+a fifth of the band in which `filtered` looks for noise."""
 SHORTEST_STEP = 1e-6
 """s: of the rows of a log; a window of any length then has a count of rows."""
 

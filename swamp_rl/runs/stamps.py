@@ -144,13 +144,11 @@ def on_one_day(stamps: Mapping[str, Stamps]) -> dict[str, Stamps]:
     without one of the first of them. Where the order of day and month is not known, it is the one nearer to
     the first date of which it is.
     """
-    known = (
-        one.start for one in stamps.values() if one.told and not one.of_a_day and one.month_first is None
-    )
-    date = next(known, None)
+    dated = {name: one for name, one in stamps.items() if one.told and not one.of_a_day}
+    date = next((one.start for one in dated.values() if one.month_first is None), None)
     ordered = {name: _ordered(one, date) for name, one in stamps.items()}
-    dated = [one.start for one in ordered.values() if one.told and not one.of_a_day]
-    first = next(iter(dated + [one.start for one in ordered.values() if one.of_a_day]), 0.0)
+    firsts = [ordered[name].start for name in dated]
+    first = next(iter(firsts + [one.start for one in ordered.values() if one.of_a_day]), 0.0)
     return {
         name: replace(one, start=one.start + DAY * round((first - one.start) / DAY)) if one.of_a_day else one
         for name, one in ordered.items()

@@ -96,9 +96,9 @@ def test_a_table_may_name_times_of_its_own_and_shift_those_of_another_zone(tmp_p
         (run,) = read_dataset(tmp_path / out).runs
         return run
 
-    with pytest.raises(UserError, match=r"--map time of table imu \(--map imu.time=COLUMN gives its own\)"):
+    with pytest.raises(UserError, match=r"--map time of table imu \(--map imu\.time=COLUMN gives its own\)"):
         run_of("one", "time=t")
-    with pytest.raises(UserError, match="for clocks that are hours apart, --map imu.time="):
+    with pytest.raises(UserError, match=r"for clocks that are hours apart, --map imu\.time="):
         run_of("apart", "time=t", "imu.time=`Zeit UTC`")
     run = run_of("shifted", "gps.time=t - 7200", "imu.time=`Zeit UTC`")
     assert run.columns["north"][0] == pytest.approx(2.0)
@@ -109,7 +109,7 @@ def test_a_table_may_name_times_of_its_own_and_shift_those_of_another_zone(tmp_p
 def test_times_of_a_table_that_is_not_there_are_refused(tmp_path: Path) -> None:
     gps = table(tmp_path / "gps.csv", of_a_day(0.0))
     reading = Reading(mapping_of(["time=t", "imu.time=t", "x=x", "y=y", "yaw=psi"]))
-    with pytest.raises(UserError, match=r"--map imu.time: there is no table 'imu'; known here: gps"):
+    with pytest.raises(UserError, match=r"--map imu\.time: there is no table 'imu'; known here: gps"):
         import_logs([gps], "csv", tmp_path / "out", About(), Wishes(), reading)
 
 
