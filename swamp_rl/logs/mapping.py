@@ -46,9 +46,9 @@ class Given(BaseModel):
 
 
 class MappingFile(BaseModel):
-    """A mapping as a file: `columns` by our names, of the times of one table `TABLE.time`, the `frame` of x, y,
-    yaw, vx, vy, u, v, r (by default that of the log's format), and `clock`: pairs of expressions `A ~ B` of
-    one quantity in two tables, whose clocks are compared."""
+    """A mapping as a file: `columns` by our names, of the times of one table `TABLE.time`, the `frame` of x,
+    y, yaw, vx, vy, u, v, r (by default that of the log's format), and `clock`: pairs of expressions `A ~ B`
+    of one quantity in two tables, whose clocks are compared."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
