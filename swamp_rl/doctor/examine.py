@@ -71,7 +71,7 @@ def _is_resolved(motion: Motion | None, boat: Boat | None) -> bool:
     frequency: it turns within about a length passed. Taken for granted without a boat."""
     if motion is None or boat is None:
         return True
-    speed = float(np.sqrt(np.mean(np.abs(motion.velocity) ** 2)))
+    speed = float(np.quantile(np.abs(motion.velocity), 0.9))
     return speed * motion.step <= LONGEST_ROW * boat.length
 
 
