@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 NOTED = (
     "times",
     "part",
+    "kept",
     "joined",
     "velocity",
     "clocks",

@@ -16,6 +16,7 @@ from swamp_rl.logs.convert import foreign_of
 from swamp_rl.logs.dataflash import read_dataflash
 from swamp_rl.logs.defaults import default_mapping, ros_kinds, wanted_messages
 from swamp_rl.logs.frames import names_by_column
+from swamp_rl.logs.keep import KEEP, kept_parts
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.logs.matlab import read_matlab
@@ -86,6 +87,7 @@ def import_logs(
         single = [
             _foreign(log, own, mapping, kind, boat, replace(wishes, resample=rate)) for log, own in pairs
         ]
+    single = [part for one in single for part in kept_parts(one)]
     even = all("joined" in (one.meta.model_extra or {}) for one in single)
     rest = replace(wishes, units={})
     rest = replace(rest, resample=None, fill=0.0) if even else rest
@@ -136,7 +138,7 @@ def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, 
 
 def _unknown(found: Foreign, boat: Boat) -> dict[str, str]:
     """What to tell of columns that the run format does not know, with the known name that is most alike."""
-    names = set(unknown_columns(list(found.table.columns), boat)) - set(QUANTITIES)
+    names = set(unknown_columns(list(found.table.columns), boat)) - {*QUANTITIES, KEEP}
     near = {name: likest(name, (*FIXED, *QUANTITIES)) for name in sorted(names)}
     told = [f"{name} (did you mean {other!r}?)" if other else name for name, other in near.items()]
     return {"unknown_columns": f"{', '.join(told)}; kept as they are"} if told else {}

@@ -16,7 +16,7 @@ MOST_ROWS, MOST_CELLS = 10_000_000, 2 * 10**7
 MOST_BETWEEN, ALWAYS = 100, 100_000
 """Rows for each row that was given, and so many of any run: few rows with one wrong time make no long run."""
 ANGLES = ("heading", "wind_from")
-HELD = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_")
+HELD = ("azimuth_", "throttle_", "rudder_", "propeller_", "joy_", "keep")
 
 
 def most_rows(columns: int, given: int) -> int:
