@@ -205,8 +205,8 @@ def _resolved(log: Log, name: str, node: Node) -> Column:
         tables.setdefault(table, {})[word] = column
     if len(tables) > 1:
         raise UserError(
-            f"--map {name}: reads the tables {' and '.join(tables)}, whose rows have times of their own; "
-            "read one of them"
+            f"--map {name}: reads the tables {' and '.join(tables)}, whose rows have times of their own; map "
+            "each to a column of its own, then import that dataset with this expression of its columns"
         )
     return Column(node, *next(iter(tables.items()), ("", {})))
 

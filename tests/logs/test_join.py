@@ -48,6 +48,20 @@ def throttle(time: np.ndarray) -> dict[str, np.ndarray]:
 COMMANDS = [*POSES, "throttle_port=cmd.port", "throttle_starboard=cmd.port"]
 
 
+def test_a_command_of_two_tables_is_mixed_from_the_columns_of_a_dataset(tmp_path: Path) -> None:
+    tables = {"pos": poses(), "force": throttle(TIME), "turn": throttle(TIME)}
+    mixed = ["throttle_port=force.port - turn.port", "throttle_starboard=0"]
+    with pytest.raises(UserError, match="reads the tables force and turn.*map each to a column of its own"):
+        joined(tmp_path, tables, [*POSES, *mixed])
+    joined(tmp_path, tables, [*POSES, "force=force.port", "turn=turn.port"])
+    ours = ["time=time", "north=north", "east=east", "heading=heading"]
+    reading = Reading(mapping_of([*ours, "throttle_port=force - turn / 2", "throttle_starboard=0"]))
+    about = About(boat=str(tmp_path / "twin.yaml"))
+    import_logs([tmp_path / "out"], "parquet", tmp_path / "mixed", about, Wishes(), reading)
+    (run,) = read_dataset(tmp_path / "mixed").runs
+    assert run.columns["throttle_port"] == pytest.approx(0.25 + 0.05 * np.sin(TIME), abs=1e-3)
+
+
 def test_a_run_ends_where_commands_sent_at_a_rate_end_and_it_is_told(tmp_path: Path) -> None:
     tables = {"pos": poses(), "cmd": throttle(TIME[20:100])}
     run = joined(tmp_path, tables, COMMANDS)
