@@ -51,7 +51,7 @@ COMMANDS = [*POSES, "throttle_port=cmd.port", "throttle_starboard=cmd.port"]
 def test_a_command_of_two_tables_is_mixed_from_the_columns_of_a_dataset(tmp_path: Path) -> None:
     tables = {"pos": poses(), "force": throttle(TIME), "turn": throttle(TIME)}
     mixed = ["throttle_port=force.port - turn.port", "throttle_starboard=0"]
-    with pytest.raises(UserError, match="reads the tables force and turn.*map each to a column of its own"):
+    with pytest.raises(UserError, match=r"reads the tables force and turn.*map each to a column of its own"):
         joined(tmp_path, tables, [*POSES, *mixed])
     joined(tmp_path, tables, [*POSES, "force=force.port", "turn=turn.port"])
     ours = ["time=time", "north=north", "east=east", "heading=heading"]
