@@ -156,8 +156,7 @@ def on_one_day(stamps: Mapping[str, Stamps]) -> dict[str, Stamps]:
 
 
 def _ordered(one: Stamps, date: float | None) -> Stamps:
-    """The stamps, their day and month in the order with the start that is nearest to a date [s since 1970].
-    """
+    """The stamps, their day and month in the order with the start nearest to a date [s since 1970]."""
     if one.of_a_day or one.month_first is None or date is None:
         return one
     start = min(one.start, one.month_first, key=lambda start: abs(start - date))

@@ -106,6 +106,15 @@ def test_a_table_may_name_times_of_its_own_and_shift_those_of_another_zone(tmp_p
     assert (run.meta.model_extra or {})["times"] == "of a day, from 16:00:00.000, shifted by -7200 s"
 
 
+def test_a_date_and_a_time_of_day_are_not_added(tmp_path: Path) -> None:
+    log = table(tmp_path / "log.csv", [f"14.05.2024,{clock}" for clock in of_a_day(0.0)])
+    log.write_text(log.read_text().replace("t,", "day,t,", 1))
+    with pytest.raises(UserError, match=r"'day' has no numbers.* give the time of day alone"):
+        reading = Reading(mapping_of(["time=day + t", "x=x", "y=y", "yaw=psi"]))
+        import_logs([log], "csv", tmp_path / "out", About(), Wishes(), reading)
+    assert imported([log]).duration == pytest.approx(5.9)
+
+
 def test_times_of_a_table_that_is_not_there_are_refused(tmp_path: Path) -> None:
     gps = table(tmp_path / "gps.csv", of_a_day(0.0))
     reading = Reading(mapping_of(["time=t", "imu.time=t", "x=x", "y=y", "yaw=psi"]))
