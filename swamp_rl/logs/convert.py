@@ -269,8 +269,8 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
         return told if isinstance(node, Name) else _shifted(told, node, words[0])
     if text := [column for column in there.values() if words_of(table, column) is not None]:
         raise UserError(
-            f"{log.file}: {where}: {text[0]!r} has no numbers to reckon with; of a date and a time of day in two "
-            "columns give the time of day alone"
+            f"{log.file}: {where}: {text[0]!r} has no numbers to reckon with; of a date and a time of day in "
+            "two columns give the time of day alone"
         )
     values = evaluated(node, {word: table.table.columns[column] for word, column in there.items()})
     values = np.array(np.broadcast_to(values, table.table.rows.shape))

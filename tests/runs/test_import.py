@@ -120,7 +120,11 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
         (
             {**foreign(), "throttle_left": [0.1] * 40},
             WISHES,
-            ["has no thruster 'left'", "the boat that has it (--map or --column, --drop, --boat)"],
+            [
+                "has no thruster 'left'",
+                "(its commands are azimuth_bs, throttle_bs, ",
+                "the boat that has it (--map or --column, --drop, --boat)",
+            ],
         ),
         ({**foreign(), " Sway": [0.1] * 40}, WISHES, ["is sway of the run format", "--column sway=' Sway'"]),
         ({**foreign(), "THROTTLE_BS": [0.1] * 40}, WISHES, ["--column throttle_bs=THROTTLE_BS"]),
