@@ -122,7 +122,7 @@ def sound_fit(
     while True:
         made = fit(problem, hypothesis, x, states, steps, fresh)
         information, gradient = made.normal.information, made.normal.gradient
-        sound = np.isfinite(information).all(axis=(1, 2)) & np.isfinite(gradient).all(axis=1)
+        sound = np.asarray(np.isfinite(information).all(axis=(1, 2)) & np.isfinite(gradient).all(axis=1))
         if sound.all() or not sound.any():
             return problem, made, kept
         kept[kept] = sound

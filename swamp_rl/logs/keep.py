@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
 from swamp_rl.runs.faults import Fault
@@ -38,16 +37,12 @@ def kept_parts(found: Foreign) -> list[Foreign]:
 def _part(found: Foreign, chosen: slice, number: int, count: int) -> Foreign:
     """The rows `chosen` as a table of its own, the part of that number."""
     table, total = found.table, len(found.table.rows)
-
-    def taken(columns: dict[str, NDArray[np.generic]]) -> dict[str, NDArray[np.generic]]:
-        return {name: values[chosen] for name, values in columns.items() if name != KEEP}
-
     rows = table.rows[chosen]
     part = replace(
         table,
-        columns=taken(table.columns),
+        columns={name: values[chosen] for name, values in table.columns.items() if name != KEEP},
         rows=rows,
-        unread=taken(table.unread),
+        unread={name: values[chosen] for name, values in table.unread.items() if name != KEEP},
         faults=[fault for fault in table.faults if _within(fault, int(rows[0]), int(rows[-1]))],
     )
     whole = f"{number} of {count}: " if count > 1 else ""
