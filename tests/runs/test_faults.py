@@ -206,7 +206,7 @@ def test_throttle_in_percent_is_called_so(good: Path) -> None:
 def test_a_thruster_the_boat_does_not_have_is_named(good: Path) -> None:
     (fault,) = faults_of(good, circling() | {"throttle_tunnel": np.zeros(ROWS)})
     assert fault.column == "throttle_tunnel"
-    assert "bs, bp, ss, sp" in fault.message
+    assert "azimuth_bs, throttle_bs, azimuth_bp, throttle_bp, azimuth_ss" in fault.message
 
 
 def test_a_run_of_fewer_than_two_rows_is_no_run(good: Path) -> None:
