@@ -9,10 +9,11 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import Gap, RunSet
 from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.likelihood.initial_states import levels_and_slopes, smoothed_states
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, cut
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
+from swamp_rl.criticism.nuisance.lost_rows import with_relevant_gaps
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection import continuation
 from swamp_rl.criticism.selection.continuation import LAST, continuation_of, with_corrected_commands
@@ -135,3 +136,15 @@ def test_the_initial_state_amid_lost_rows_is_interpolated() -> None:
             across[0][:3] + place * (across[1][:3] - across[0][:3]), abs=0.1
         )
         assert np.abs(initial_states[3:5]).max() < 2.0
+
+
+def test_windows_end_at_a_short_gap_before_a_long_one() -> None:
+    given = np.zeros((1, 400, 8))
+    given[:, :, 4:] = np.where(np.arange(400) < ROW, 0.5, 0.9)[None, :, None]
+    sailed = driven([], given, 1.0, seed=3)
+    log = replace(sailed, gaps=(Gap(0, ROW - 2, 4), Gap(0, 250, 10)))
+    weight = weights(log, noise_levels(log))
+    relevant = with_relevant_gaps(log, weight)
+    assert relevant.gaps == log.gaps
+    windows = cut(relevant, weight, np.inf)
+    assert list(windows.first + windows.steps) == [ROW - 3, 249, 399]

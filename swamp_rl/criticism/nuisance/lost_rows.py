@@ -21,15 +21,15 @@ Array = NDArray[np.float64]
 def with_relevant_gaps(run_set: RunSet, weight: Array) -> RunSet:
     """The runs with those gaps only in which the unknown command matters to the prediction."""
     short = [gap for gap in run_set.gaps if gap.rows <= options().longest_gap]
-    kept = [gap for gap in run_set.gaps if gap.rows > options().longest_gap]
-    if short:
-        problem, _ = _windows_of_each(run_set, weight, short, ends_alone=True)
-        states = np.repeat(problem.initial_states()[::2], 2, axis=0)
-        tracks = problem.predict(Hypothesis(), np.zeros((1, 0)), states[None])[0]
-        apart = problem.part(np.arange(len(tracks)) % 2 == 0).standardised(tracks[1::2] - tracks[::2])
-        power = (apart**2).sum(axis=1)
-        kept += [gap for gap, much in zip(short, power, strict=True) if much > options().negligible_gap]
-    return replace(run_set, gaps=tuple(kept))
+    if not short:
+        return run_set
+    problem, _ = _windows_of_each(run_set, weight, short, ends_alone=True)
+    states = np.repeat(problem.initial_states()[::2], 2, axis=0)
+    tracks = problem.predict(Hypothesis(), np.zeros((1, 0)), states[None])[0]
+    apart = problem.part(np.arange(len(tracks)) % 2 == 0).standardised(tracks[1::2] - tracks[::2])
+    matters = (apart**2).sum(axis=1) > options().negligible_gap
+    ignored = {gap for gap, kept in zip(short, matters, strict=True) if not kept}
+    return replace(run_set, gaps=tuple(gap for gap in run_set.gaps if gap not in ignored))
 
 
 def with_best_commands(
