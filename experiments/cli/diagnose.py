@@ -155,9 +155,9 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
         share_text,
         smoothed_sentence,
     )
-    from swamp_rl.criticism.report.extension import extension_sentence, is_extended
+    from swamp_rl.criticism.report.extension import extension_sentence
     from swamp_rl.criticism.report.next_trial import next_trial_sentences
-    from swamp_rl.criticism.report.words import parameter_sets, separating_sentence, spread_sets
+    from swamp_rl.criticism.report.words import is_extended, parameter_sets, separating_sentence, spread_sets
 
     yield f"verdict: {found.verdict}"
     for said in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):

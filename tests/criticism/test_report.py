@@ -39,7 +39,9 @@ from swamp_rl.criticism.result import (
     CurvePoint,
     Diagnosis,
     Estimate,
+    Extension,
     Gain,
+    HeldOut,
     Paired,
     ResidualForce,
     SmoothedNoise,
@@ -292,6 +294,14 @@ def test_an_insignificant_gain_is_reported_as_such(ci95: tuple[float, float], sa
     gain = Gain(horizon_s=10.0, restarts=9, blocks="runs", position_rmse_m=paired)
     told = gain_sentence(diagnosis("cause", causes=[LAG], gain=[gain]))
     assert said in told and bool(told) == bool(said)
+
+
+def test_the_error_with_a_missing_force_that_was_written_is_told_without_a_cause_too() -> None:
+    paired = Paired(before=1.0, after=2.0, ci95=(-1.2, -0.8))
+    gain = Gain(horizon_s=10.0, restarts=9, blocks="runs", position_rmse_m=paired)
+    force = Extension(curves=[], held_out=HeldOut(gain=9.0, low=1.0, level=0.95), written=True)
+    told = gain_section(diagnosis("unexplained", extension=force, gain=[gain]))
+    assert "1.00 → 2.00 m" in told and "10 s ahead worse" in told
 
 
 def test_units_are_written_as_one_does_and_stay_on_one_line() -> None:

@@ -27,11 +27,6 @@ def curve_name(curve: ForceCurve) -> str:
     return f"{force} as a function of {variable}"
 
 
-def is_extended(found: Diagnosis) -> bool:
-    """Whether the extended boat differs from the boat file."""
-    return bool(found.causes or (found.extension and found.extension.written))
-
-
 def extension_sentence(found: Diagnosis) -> str:
     """What of the missing force is in extended_boat.yaml, or why it is not; empty where there is none."""
     extension = found.extension

@@ -19,7 +19,7 @@ from swamp_rl.criticism.report.evidence import (
     share_rows,
     smoothed_sentence,
 )
-from swamp_rl.criticism.report.extension import extension_section, is_extended
+from swamp_rl.criticism.report.extension import extension_section
 from swamp_rl.criticism.report.figures import (
     DEGREES,
     SHOWN,
@@ -40,6 +40,7 @@ from swamp_rl.criticism.report.words import (
     force_name,
     gain_sentence,
     headline,
+    is_extended,
     manoeuvre_words,
     meaning,
     noise_sentence,
@@ -108,7 +109,7 @@ def cards(found: Diagnosis) -> str:
             continue
         title, unit, factor, _ = SHOWN[name]
         change = f"{rounded(factor * paired.before)} {unit}"
-        if found.causes:
+        if is_extended(found):
             change = f"{rounded(factor * paired.before)} → {rounded(factor * paired.after)} {unit}"
         made.append(
             f'<div class="card"><b>{change}</b><span>{title} error {gain.horizon_s:g} s ahead</span></div>'

@@ -35,6 +35,11 @@ def causes(found: Diagnosis) -> str:
     return readable(" + ".join(cause.label for cause in found.causes)) if found.causes else "nothing"
 
 
+def is_extended(found: Diagnosis) -> bool:
+    """Whether the extended boat differs from the boat file."""
+    return bool(found.causes or (found.extension and found.extension.written))
+
+
 def headline(found: Diagnosis) -> str:
     """The verdict as one sentence."""
     if found.verdict == "nothing_wrong" and found.minor:
@@ -167,7 +172,7 @@ def shape_sentence(found: Diagnosis) -> str:
 def gain_sentence(found: Diagnosis) -> str:
     """A sentence where the extended boat predicts no better."""
     gain = next((one for one in found.gain if one.horizon_s == 10.0 and one.position_rmse_m), None)
-    if gain is None or gain.position_rmse_m is None or not found.causes:
+    if gain is None or gain.position_rmse_m is None or not is_extended(found):
         return ""
     low, high = gain.position_rmse_m.ci95
     if low > 0.0:
