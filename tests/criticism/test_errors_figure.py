@@ -30,7 +30,7 @@ def test_a_horizon_longer_than_the_runs_has_no_error_of_a_perfect_model(
     monkeypatch.setattr(figures, "perfect_run_set", lambda finding, rng: None)
     monkeypatch.setattr(figures, "errors_at", errors)
     finding: Any = SimpleNamespace(
-        winner=SimpleNamespace(x=np.zeros(1), hypothesis=None),
+        extended_fit=SimpleNamespace(x=np.zeros(1), hypothesis=None),
         run_set=SimpleNamespace(lengths=np.array([100]), measured=np.zeros((1, 100, len(CHANNELS)))),
         diagnosis=SimpleNamespace(gain=[SimpleNamespace(horizon_s=h) for h in (1.0, 30.0)]),
         weight=None,
@@ -55,3 +55,14 @@ def test_errors_of_runs_without_noise_have_few_enough_ticks_to_be_read() -> None
     low, high = figure.axes[0].get_ylim()
     ticks = [tick for tick in figure.axes[0].get_yticks() if low <= tick <= high]
     assert 3 <= len(ticks) <= 9
+
+
+def test_a_channel_that_only_the_held_out_runs_have_is_drawn_without_a_level_of_noise() -> None:
+    none = dict.fromkeys(figures.QUANTITIES)
+    both = dict.fromkeys(("position_rmse_m", "surge_rmse_m_s"), SimpleNamespace(before=1.0, after=0.5))
+    gains = [SimpleNamespace(horizon_s=horizon, **(none | both)) for horizon in (1.0, 5.0)]
+    told = SimpleNamespace(gain=gains, gain_on="other_runs", noise={"north": 0.1, "east": 0.1})
+    finding: Any = SimpleNamespace(diagnosis=told, extended=False)
+    figure = Figure()
+    draw_errors(figure, finding)
+    assert [len(axes.lines) for axes in figure.axes] == [2, 1]

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from swamp_rl.boat import load_boat
+from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.inference.residual_force import Forces
 from swamp_rl.criticism.report import figures
 
@@ -28,3 +30,29 @@ def test_a_residual_force_that_is_zero_is_drawn_without_a_warning(
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert figures.draw(tmp_path / "forces.png", finding, figures.draw_forces).stat().st_size > 1000
+
+
+@pytest.mark.parametrize("is_written", [False, True])
+def test_the_forces_after_are_those_of_the_boat_that_was_written(
+    is_written: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = list[str]()
+
+    def forces(run_set: Any, weight: Any, hypothesis: Any, x: Any) -> Forces:
+        drawn.append(hypothesis.label)
+        return Forces(np.ones((4, 5)), np.ones((4, 5)), np.zeros(4, int), {"speed": np.arange(4.0)})
+
+    def fitted(*labels: str) -> Any:
+        instances = [SimpleNamespace(label=label) for label in labels]
+        label = " + ".join(labels)
+        return SimpleNamespace(hypothesis=SimpleNamespace(instances=instances, label=label), x=np.zeros(0))
+
+    monkeypatch.setattr(figures, "residual_forces", forces)
+    monkeypatch.setattr(figures, "shown_variables", lambda *given: {"speed": ("speed", 1.0)})
+    extension: Any = SimpleNamespace(told=SimpleNamespace(written=is_written), fit=fitted("force_curve"))
+    diagnosis: Any = SimpleNamespace(causes=[], leftover=[])
+    selection: Any = SimpleNamespace(winner=fitted("wind"))  # which does not carry over
+    nothing: Any = None
+    finding = Finding(diagnosis, nothing, nothing, nothing, selection, fitted(), extension)
+    figures.draw_forces(Figure(), finding)
+    assert drawn == ["nothing", *(["force_curve"] if is_written else [])]

@@ -10,7 +10,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.force_extension import ForceExtension
 from swamp_rl.criticism.inference.next_trial import Designed
 from swamp_rl.criticism.likelihood.output_error import Fit
-from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
@@ -34,21 +34,19 @@ class Finding:
     next_trial: Designed | None = None
 
     @property
-    def winner(self) -> Fit:
-        """The fit of the selected effects."""
-        return self.selection.winner
+    def extended_fit(self) -> Fit:
+        """The fit of what the files hold: the written effects, and the missing force where written."""
+        return self.extension.fit if self.extension and self.extension.told.written else self.written
 
     @property
     def extended(self) -> bool:
         """Whether anything was added to the boat file."""
-        return bool(self.winner.hypothesis.instances)
+        return bool(self.extended_fit.hypothesis.instances)
 
     @property
     def written_effects(self) -> tuple[Hypothesis, Array]:
         """The named effects that go into files, and their parameters (p,)."""
-        if self.extension and self.extension.told.written:
-            return self.extension.others
-        return self.written.hypothesis, self.written.x
+        return joined((one, x) for one, x in self.extended_fit.parts() if not one.curve)
 
     @property
     def written_curves(self) -> list[dict[str, Any]]:

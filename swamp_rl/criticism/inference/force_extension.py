@@ -55,11 +55,6 @@ class ForceExtension:
     fit: Fit
 
     @property
-    def others(self) -> tuple[Hypothesis, Array]:
-        """What was fitted beside the force, and its parameters."""
-        return joined((one, x) for one, x in self.fit.parts() if not one.curve)
-
-    @property
     def entries(self) -> list[dict[str, Any]]:
         """The curves as a boat file holds them, with their standard errors."""
         effect = LIBRARY["force_curve"]

@@ -72,7 +72,7 @@ def draw_tracks(figure: Any, finding: Finding) -> None:
         else:
             axes.plot(measured[:, 1], measured[:, 0], color=MEASURED, lw=4, solid_capstyle="round")
         drawn = [(Hypothesis(), np.zeros(0), BEFORE)]
-        drawn += [(finding.winner.hypothesis, finding.winner.x, AFTER)] * finding.extended
+        drawn += [(finding.extended_fit.hypothesis, finding.extended_fit.x, AFTER)] * finding.extended
         for hypothesis, x, colour in drawn:
             start = restarts(run_set, finding.weight, run, seconds)
             for track in start.predict(hypothesis, x) if start else ():
@@ -126,8 +126,9 @@ def draw_errors(figure: Any, finding: Finding) -> None:
         axes.loglog(horizons, [factor * one.before for _, one in kept], "o-", color=BEFORE)
         if finding.extended:
             axes.loglog(horizons, [factor * one.after for _, one in kept], "s-", color=AFTER)
-        noise = factor * finding.diagnosis.noise[channel] * math.sqrt(len(QUANTITIES[name]))
-        axes.axhline(noise, color="#555555", ls=":", lw=1.2)
+        if channel in finding.diagnosis.noise:  # which held-out runs may have alone
+            noise = factor * finding.diagnosis.noise[channel] * math.sqrt(len(QUANTITIES[name]))
+            axes.axhline(noise, color="#555555", ls=":", lw=1.2)
         known = [(h, factor * error) for h, error in perfect.get(name, {}).items() if h in horizons]
         if known:
             axes.loglog(*zip(*known, strict=True), "--", color="#555555", lw=1.2)
@@ -143,12 +144,13 @@ def perfect_errors(finding: Finding, rng: np.random.Generator) -> dict[str, dict
     simulated runs with noise of the estimated size. They grow with time, since the initial state has the
     error of the measurement.
     """
-    numbers = np.repeat(finding.winner.x[None], len(finding.run_set.lengths), axis=0)
+    at = finding.extended_fit
+    numbers = np.repeat(at.x[None], len(finding.run_set.lengths), axis=0)
     squares: dict[float, Array] = {}
     for _ in range(PERFECT):
         synthetic = perfect_run_set(finding, rng)
         for gain in finding.diagnosis.gain:
-            made = errors_at(synthetic, finding.weight, gain.horizon_s, finding.winner.hypothesis, numbers)
+            made = errors_at(synthetic, finding.weight, gain.horizon_s, at.hypothesis, numbers)
             before = squares.get(gain.horizon_s, np.zeros((0, len(CHANNELS))))
             squares[gain.horizon_s] = np.concatenate([before, made.error**2])
     return {
@@ -165,7 +167,7 @@ def _any(errors: Array) -> bool:
 
 def perfect_run_set(finding: Finding, rng: np.random.Generator) -> RunSet:
     """The runs simulated with the extended boat, under the same noise."""
-    run_set, noise = finding.run_set, finding.diagnosis.noise
+    run_set, noise, at = finding.run_set, finding.diagnosis.noise, finding.extended_fit
     sigma = np.array([noise.get(name, 0.0) for name in CHANNELS])
     measured = run_set.measured.copy()
     for run, length in enumerate(run_set.lengths):
@@ -173,7 +175,7 @@ def perfect_run_set(finding: Finding, rng: np.random.Generator) -> RunSet:
         start = restarts(run_set, finding.weight, run, whole)
         if start is not None:
             first = int(start.first[0])
-            track = start.predict(finding.winner.hypothesis, finding.winner.x)[0][: int(length) - first]
+            track = start.predict(at.hypothesis, at.x)[0][: int(length) - first]
             measured[run, first : first + len(track)] = track + sigma * rng.standard_normal(track.shape)
     measured[np.isnan(run_set.measured)] = np.nan
     return replace(run_set, measured=measured)
@@ -202,8 +204,8 @@ def draw_forces(figure: Any, finding: Finding) -> None:
     before = residual_forces(finding.run_set, finding.weight, Hypothesis(), np.zeros(0))
     every = [before]
     if finding.extended:
-        winner = finding.winner
-        every.append(residual_forces(finding.run_set, finding.weight, winner.hypothesis, winner.x))
+        at = finding.extended_fit
+        every.append(residual_forces(finding.run_set, finding.weight, at.hypothesis, at.x))
     chosen = shown_variables(finding.run_set, before, thrusters_of_causes(finding.diagnosis))
     figure.set_size_inches(10.5, 6.3)
     axes = figure.subplots(3, len(chosen), squeeze=False, sharey="row", sharex="col")
