@@ -201,6 +201,8 @@ def test_unidentifiable_effects_are_listed_with_their_thrusters() -> None:
     assert effects_listed(weather, load_boat("swamp")) == "wind, azimuth offset (bs), thrust sag"
     every = [f"azimuth_offset {place}" for place in ("ss", "bs", "bp", "sp", "all")]
     assert effects_listed(every, load_boat("swamp")) == "azimuth offset"
+    alone = effects_listed(every[:-1], load_boat("swamp"))
+    assert alone == "azimuth offset (ss, bs, bp, sp)"  # all together, it is identifiable
 
 
 def test_a_boat_whose_causes_are_all_minor_is_not_called_without_any() -> None:

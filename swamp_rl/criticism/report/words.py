@@ -8,6 +8,7 @@ import numpy as np
 from swamp_rl.boat import Boat
 from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
+from swamp_rl.criticism.model.candidates import selectors
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Limit
 from swamp_rl.effects import LIBRARY
 from swamp_rl.html_page import minus, plain, rounded
@@ -259,11 +260,9 @@ def effects_listed(labels: Sequence[str], boat: Boat) -> str:
         place = " and ".join(one for one in more if one not in DIFFERS)
         if place not in places.setdefault(name, []):
             places[name].append(place)
-    count = len(boat.thrusters)
-    every = {1, count, count + 1, count * (count - 1) // 2}
     parts = []
     for name, where in places.items():
-        whole = not where[0] or (len(where) in every and len(where) > 1)
+        whole = not where[0] or len(where) == len(selectors(LIBRARY[name], boat))
         parts.append(name.replace("_", " ") + ("" if whole else f" ({', '.join(where)})"))
     return ", ".join(parts)
 
