@@ -63,6 +63,14 @@ def test_a_true_boat_file_predicts_better_than_any_trivial_predictor() -> None:
         )
 
 
+def test_all_predictors_start_where_the_boat_file_does() -> None:
+    runs = simulated_runs([])
+    runs.measured[:, :60, :2] += 1000.0  # before the first row that is compared
+    runs.first_compared[:] = 80
+    found = predictors_of(runs)[5.0]
+    assert max(found.values()) < 10.0
+
+
 def test_constant_velocity_beats_a_boat_file_whose_thrust_is_twice_the_true_one() -> None:
     runs = simulated_runs([])
     boat = load_boat("swamp")

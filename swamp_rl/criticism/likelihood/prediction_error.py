@@ -182,7 +182,7 @@ def trivial_predictors(run_set: RunSet, weight: Array) -> list[Predictors]:
                 boat_file=position_rmse(own),
                 at_rest=position_rmse(errors_of(run_set, weight, horizon, _at_rest)),
                 constant_velocity=position_rmse(errors_of(run_set, weight, horizon, _constant_velocity)),
-                no_thrust=position_rmse(boat_file_errors(without_thrust(run_set), weight, horizon)),
+                no_thrust=position_rmse(errors_of(run_set, weight, horizon, _no_thrust)),
             )
         )
     return found
@@ -203,6 +203,12 @@ def _constant_velocity(run: int, start: Restarts) -> Array:
     states[:, 1] += seconds * east
     states[:, 2] += seconds * yaw_rate
     return states
+
+
+def _no_thrust(run: int, start: Restarts) -> Array:
+    """(n, 6): the boat file with all thrusters stopped."""
+    problem = start.problem.with_commands(without_thrust(start.problem.run_set))
+    return replace(start, problem=problem).predict(Hypothesis(), np.zeros(0))[:, -1]
 
 
 def without_thrust(run_set: RunSet) -> RunSet:
