@@ -13,7 +13,7 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, cut
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
-from swamp_rl.criticism.nuisance.lost_rows import with_relevant_gaps
+from swamp_rl.criticism.nuisance.lost_rows import possible_commands, with_relevant_gaps
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection import continuation
 from swamp_rl.criticism.selection.continuation import LAST, continuation_of, with_corrected_commands
@@ -148,3 +148,10 @@ def test_windows_end_at_a_short_gap_before_a_long_one() -> None:
     assert relevant.gaps == log.gaps
     windows = cut(relevant, weight, np.inf)
     assert list(windows.first + windows.steps) == [ROW - 3, 249, 399]
+
+
+def test_another_azimuth_in_a_gap_lies_on_the_shorter_way_round() -> None:
+    log = driven([], np.stack([commands(2)]), 0.0, seed=1)
+    log.commands[0, :ROW, 0], log.commands[0, ROW:, 0] = 3.0, -3.0
+    half, _ = possible_commands(log, Gap(0, ROW, 1))[2]  # after the instants before and after the row
+    assert half[0, 0] == pytest.approx(np.pi)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import Gap, RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows, window_data
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
@@ -75,9 +76,11 @@ def possible_commands(run_set: RunSet, gap: Gap) -> list[tuple[Array, float]]:
     before, after = commands[gap.row - 1], commands[gap.row + gap.rows]
     late = np.arange(gap.rows)[:, None]
     found = [(np.where(late < keeps, before, after), 0.0) for keeps in range(gap.rows, -1, -1)]
+    change, thrusters = after - before, len(after) // 2
+    change[:thrusters] = within_half_turn(change[:thrusters])
     for share in options().other_shares:
-        held = before + share * (after - before)
-        held[len(held) // 2 :] = np.clip(held[len(held) // 2 :], -1.0, 1.0)
+        held = before + share * change
+        held[thrusters:] = np.clip(held[thrusters:], -1.0, 1.0)
         found.append((np.repeat(held[None], gap.rows, axis=0), options().other_share_gain))
     return found
 
