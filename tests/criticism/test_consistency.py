@@ -41,8 +41,12 @@ def test_a_turned_heading_and_yaw_rates_in_degrees_or_late_are_named() -> None:
     measured = found.measured
     for said, column, values in (
         ("heading looks measured from east", 2, np.pi / 2 - measured[..., 2]),
-        ("yaw_rate look like degrees", 5, np.degrees(measured[..., 5])),
-        ("yaw_rate look positive to port", 5, -measured[..., 5]),
+        (
+            "yaw_rate looks like degrees a second against the heading; correct",
+            5,
+            np.degrees(measured[..., 5]),
+        ),
+        ("yaw_rate looks positive to port against the heading; correct", 5, -measured[..., 5]),
         ("yaw_rate is 0.8 s late", 5, np.roll(measured[..., 5], 8, axis=1)),
     ):
         other = measured.copy()

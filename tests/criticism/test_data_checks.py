@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism import diagnose as module
 from swamp_rl.criticism.data.excitation import missing_motion
-from swamp_rl.criticism.data.run_set import read_run_set
+from swamp_rl.criticism.data.run_set import read_run_set, run_set_of
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, append_run, create_dataset
@@ -212,3 +212,14 @@ def test_a_plain_folder_of_tables_is_diagnosed_as_runs_of_the_boat_that_is_named
             path.unlink()
     with pytest.raises(FittedError):
         diagnose(data, "swamp", tmp_path / "out")
+
+
+def test_a_throttle_from_full_astern_to_full_ahead_is_interpolated_over_a_lost_row() -> None:
+    columns = circling(30.0)
+    rows = np.arange(len(columns["time"]))
+    columns["throttle_bs"] = np.where(rows < 100, -1.0, 1.0)
+    kept = rows != 100
+    run = Run("run", {name: values[kept] for name, values in columns.items()})
+    found = run_set_of([run], load_boat("swamp"), "folder")
+    place = len(found.boat.thrusters) + found.boat.thruster_names.index("bs")
+    assert list(found.commands[0, 99:102, place]) == [-1.0, 0.0, 1.0]

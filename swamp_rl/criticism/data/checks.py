@@ -157,7 +157,7 @@ def refuse_unexciting(commands: list[Array], tracks: list[Array], dt: float, boa
 
 
 def reach_of(track: Array, dt: float) -> tuple[float, float]:
-    """Range of position [m] and heading [rad] of a track (T, 3), by means over MEAN_OVER."""
+    """Range of position [m] and heading [rad] of a track (T, 3), by means over `track_mean`."""
     rows = max(1, round(options().track_mean / dt))
     parts = [track[first : first + rows] for first in range(0, len(track), rows)]
     finite = [part[np.isfinite(part).all(axis=1)] for part in parts]

@@ -121,10 +121,10 @@ def _heading_and_yaw_rate(measured: list[Array], dt: float, folder: str) -> None
     every = np.concatenate(turned), np.concatenate(measured_rate)
     as_it_is = explained(*every)
     if as_it_is < options().reading_poor:
-        readings = {"look like degrees a second": math.pi / 180, "look positive to port": -1.0}
+        readings = {"looks like degrees a second": math.pi / 180, "looks positive to port": -1.0}
         for reading, factor in readings.items():
             if explained(every[0], factor * every[1]) > options().reading_good:
-                raise UserError(f"{folder}: yaw_rate {reading}according to the heading; correct the column")
+                raise UserError(f"{folder}: yaw_rate {reading} against the heading; correct the column")
     shifts = [shift for shift in range(-lag, lag + 1) if abs(shift) * dt >= options().out_of_step]
     shares = [explained(*_shifted(turned, measured_rate, shift)) for shift in shifts]
     best = int(np.argmax(shares))

@@ -286,7 +286,7 @@ def _filled(index: NDArray[np.int64], commands: Array) -> tuple[Array, list[tupl
     next_ = np.minimum(last + 1, len(index) - 1)
     share = (rows - index[last]) / np.maximum(index[next_] - index[last], 1)
     change = commands[next_] - commands[last]
-    jumps = np.abs(change) > np.pi / 2
+    jumps = np.abs(change) > np.where(np.arange(change.shape[1]) < change.shape[1] // 2, np.pi / 2, np.inf)
     filled = commands[last] + np.where(jumps, 0.0, change * share[:, None])
     lost = np.flatnonzero((np.diff(index) > 1) & (np.abs(np.diff(commands, axis=0)) > 1e-9).any(axis=1))
     return filled, [(int(index[i]) + 1, int(index[i + 1] - index[i]) - 1) for i in lost]
