@@ -17,6 +17,7 @@ from swamp_rl.criticism.nuisance.lost_rows import possible_commands, with_releva
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection import continuation
 from swamp_rl.criticism.selection.continuation import LAST, continuation_of, with_corrected_commands
+from swamp_rl.errors import UserError
 from tests.support.criticism import commands, driven
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
@@ -155,3 +156,10 @@ def test_another_azimuth_in_a_gap_lies_on_the_shorter_way_round() -> None:
     log.commands[0, :ROW, 0], log.commands[0, ROW:, 0] = 3.0, -3.0
     half, _ = possible_commands(log, Gap(0, ROW, 1))[2]  # after the instants before and after the row
     assert half[0, 0] == pytest.approx(np.pi)
+
+
+def test_runs_without_a_stretch_between_lost_commands_are_refused() -> None:
+    sailed = driven([], np.stack([commands(0)]), 1.0, seed=3)
+    log = replace(sailed, gaps=tuple(Gap(0, row, 8) for row in range(20, 390, 12)))
+    with pytest.raises(UserError, match="so often that no 1"):
+        cut(log, weights(log, noise_levels(log)), 5.0)

@@ -20,6 +20,7 @@ from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.model.rollout import roll
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
+from swamp_rl.errors import UserError
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import is_altered, observe, rows_ahead, sensors_of
@@ -56,6 +57,11 @@ def cut(run_set: RunSet, weight: Array, seconds: float, before: float | None = N
                 for s, e in zip(starts, ends, strict=True)
                 if e - s >= min(shortest, b - a)
             ]
+    if not rows:
+        raise UserError(
+            f"runs {', '.join(run_set.names)}: commands change over lost rows so often that no "
+            f"{options().shortest_window:g} s between them can be compared; record every row"
+        )
     run_of, first, steps = (np.array(column) for column in zip(*rows, strict=True))
     measured, weights = window_data(run_set, weight, run_of, first, steps, pad)
     return Windows(run_of, first, steps, measured, weights, pad, int(steps.max()) + 1)
