@@ -67,5 +67,5 @@ def test_residual_forces_need_positions_and_accept_a_slow_receiver(every: int, t
     sparse = replace(sailed, measured=measured)
     weight = weights(sparse, noise_levels(sailed))
     forces = residual_forces(sparse, weight, Hypothesis(), np.zeros(0))
-    assert (len(forces.run) > 10) == told
+    assert (len(forces.force) > 10) == told
     assert residual_force_functions(sparse, weight, [(Hypothesis(), np.zeros(0))]) == []

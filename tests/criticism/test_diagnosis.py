@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from swamp_rl.angles import turned
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import CHANNELS, Gap, run_set_of
@@ -108,7 +109,8 @@ def test_two_swapped_channels_are_named() -> None:
 def test_a_residual_force_has_the_direction_and_size_of_the_hidden_one() -> None:
     found = simulated_runs([{"effect": "external_force", "north": 1.5, "east": -0.8}], seed=6)
     forces = residual_forces(found, weights(found, noise_levels(found)), Hypothesis(), np.zeros(0))
-    north, east = np.median(forces.force[:, 3:5], axis=0)
+    surge, sway = forces.force[:, :2].T
+    north, east = np.median(turned(surge, sway, forces.variables["heading"]), axis=1)
     assert np.arctan2(east, north) == pytest.approx(np.arctan2(-0.8, 1.5), abs=0.2)
     assert np.hypot(north, east) == pytest.approx(np.hypot(1.5, 0.8), rel=0.1)
 

@@ -19,10 +19,10 @@ def test_a_residual_force_that_is_zero_is_drawn_without_a_warning(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     n = 40
-    force = np.column_stack([np.linspace(-1.0, 1.0, n), np.zeros((n, 4))])
+    force = np.column_stack([np.linspace(-1.0, 1.0, n), np.zeros((n, 2))])
     names = ("speed", "yaw rate", "heading", "time", "throttle bs", "azimuth bs")
     variables = {name: np.linspace(0.0, 1.0, n) for name in names}
-    none = Forces(force, np.ones((n, 5)), np.zeros(n, int), variables)
+    none = Forces(force, variables)
     monkeypatch.setattr(figures, "residual_forces", lambda *given: none)
     run_set = SimpleNamespace(boat=load_boat("swamp"))
     diagnosis = SimpleNamespace(causes=[], leftover=[])
@@ -40,7 +40,7 @@ def test_the_forces_after_are_those_of_the_boat_that_was_written(
 
     def forces(run_set: Any, weight: Any, hypothesis: Any, x: Any) -> Forces:
         drawn.append(hypothesis.label)
-        return Forces(np.ones((4, 5)), np.ones((4, 5)), np.zeros(4, int), {"speed": np.arange(4.0)})
+        return Forces(np.ones((4, 3)), {"speed": np.arange(4.0)})
 
     def fitted(*labels: str) -> Any:
         instances = [SimpleNamespace(label=label) for label in labels]

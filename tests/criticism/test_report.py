@@ -164,7 +164,7 @@ def test_forces_are_drawn_against_the_thruster_of_the_cause(found: list[Cause], 
     time = np.linspace(0.0, 1.0, 5)
     every = {f"{what} {name}": time for what in ("azimuth", "throttle") for name in ("bs", "bp")}
     every |= {"azimuth bp": 2.0 * time, "throttle bp": 2.0 * time}  # used most
-    forces = Forces(np.zeros((5, 5)), np.zeros((5, 5)), np.zeros(5, int), every)
+    forces = Forces(np.zeros((5, 3)), every)
     preferred = thrusters_of_causes(diagnosis("cause", causes=found))
     assert list(shown_variables(no_runs(), forces, preferred)) == [f"throttle {drawn}", f"azimuth {drawn}"]
 

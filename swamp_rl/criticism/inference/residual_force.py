@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.angles import turned
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.force_fit import fit_forces
-from swamp_rl.criticism.likelihood.force_sensitivity import AXES, force_grid
+from swamp_rl.criticism.likelihood.force_sensitivity import force_grid
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.nuisance.force_functions import motion_variables
@@ -19,15 +18,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Forces:
-    """Residual forces in n intervals: force (n, 5) of surge, sway, yaw, north and east [N, N m], error (n, 5)
-    their standard errors.
-
-    run: (n,); variables: motion and commands at the middle of the interval, by name (n,).
+    """Residual forces in n intervals: force (n, 3) of surge, sway and yaw [N, N m]; variables: motion and
+    commands at the middle of the interval, by name (n,).
     """
 
     force: Array
-    error: Array
-    run: NDArray[np.int64]
     variables: dict[str, Array]
 
 
@@ -40,27 +35,18 @@ def residual_forces(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: A
     problem = Shooting(run_set, weight, seconds, before=run_set.dt)
     grid = force_grid(problem, piece)
     made = fit_forces(problem, hypothesis, x, grid)
-    track, force, covariance = made.track, made.force, made.covariance
     win = problem.windows
     found = []
     held = (win.weight[..., 0] > 0) & (np.arange(win.rows) >= win.pad)  # less the prior's row
     share = held.sum() / (win.steps + 1).sum()  # the sensor may be slower than the grid
-    for w, b in np.ndindex(force.shape[:2]):
+    for w, b in np.ndindex(made.force.shape[:2]):
         middle = round((b + 0.5) * grid.block)
         seen = held[w, b * grid.block : (b + 1) * grid.block]
         if middle <= win.steps[w] and seen.sum() >= max(1.0, options().force_measured * share * grid.block):
             found.append((w, b, middle))
     w, b, middle = np.array(found, dtype=int).reshape(-1, 3).T
-    at, body = track[w, middle], force[w, b]
-    earth = turned(body[:, 0], body[:, 1], at[:, 2])
-    columns = AXES * b[:, None] + np.arange(AXES)
-    error = np.sqrt(np.maximum(covariance[w[:, None], columns, columns], 0.0))
-    return Forces(
-        np.column_stack([body, *earth]),
-        np.column_stack([error, error[:, :2].mean(axis=1), error[:, :2].mean(axis=1)]),
-        win.run[w],
-        _variables(run_set, at, win.run[w], win.first[w] + middle),
-    )
+    variables = _variables(run_set, made.track[w, middle], win.run[w], win.first[w] + middle)
+    return Forces(made.force[w, b], variables)
 
 
 def _variables(

@@ -23,12 +23,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ForceFit:
-    """Initial states (W, 6), track (W, T, 6), force (W, B, 3) [N, N, N m], its covariance (W, 3 B, 3 B)."""
+    """Initial states (W, 6), track (W, T, 6), force (W, B, 3) [N, N, N m]."""
 
     states: Array
     track: Array
     force: Array
-    covariance: Array
 
 
 def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceGrid) -> ForceFit:
@@ -48,10 +47,7 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
     damping = np.zeros(shape[0])
     moved = np.ones(shape[0], dtype=bool)
     by_state = np.empty((*residual.shape, 6))
-    by_force = np.moveaxis(
-        np.empty((AXES * grid.count, *residual.shape)), 0, -1
-    )  # as `force_jacobian` has it
-    covariance = np.zeros((shape[0], AXES * shape[1], AXES * shape[1]))
+    by_force = np.moveaxis(np.empty((AXES * grid.count, *residual.shape)), 0, -1)  # as `force_jacobian`
     for _ in range(options().force_rounds):
         if moved.any():
             part, where = chosen_windows(problem, moved), (hypothesis, x, states[moved])
@@ -60,7 +56,6 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
             by_force[moved] = force_jacobian(part, *where, grid, (0, 1, 2), force[moved])
         normal = normal_equations(by_state, by_force, residual, damping[:, None] / state_reach(problem))
         H = normal.information + np.diag(prior)
-        covariance = np.asarray(np.linalg.inv(H))
         H = H + (damping[:, None] * np.einsum("wii->wi", H))[..., None] * np.eye(H.shape[1])
         g = normal.gradient - prior * force.reshape(shape[0], -1)
         step = np.asarray(np.linalg.solve(H, g[..., None])[..., 0])
@@ -75,4 +70,4 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
         states[moved] += shift[moved]
         force[moved], track[moved], residual[moved] = tried[moved], ahead[moved], left[moved]
         damping = next_damping(damping, moved, options().force_damping)
-    return ForceFit(states, track, force, covariance)
+    return ForceFit(states, track, force)

@@ -4,7 +4,7 @@ import html
 
 from swamp_rl.criticism.report.figures import SHOWN
 from swamp_rl.criticism.report.words import readable, shown_unit
-from swamp_rl.criticism.result import Cause, Diagnosis, Predictors, Share
+from swamp_rl.criticism.result import Cause, Diagnosis, Share
 from swamp_rl.html_page import minus
 
 TRIVIAL = {
@@ -12,25 +12,22 @@ TRIVIAL = {
     "constant_velocity": "constant velocity",
     "no_thrust": "the same boat without thrust",
 }
+PLAIN = ("nothing", "unexplained")  # answers of a self-trial that are no effects
 FROM = 5.0  # s, below which every predictor that starts from the measured state is good
-
-
-def as_good(one: Predictors) -> list[str]:
-    """Trivial predictors that predict positions no worse than the boat file."""
-    return [name for name in TRIVIAL if getattr(one, name) <= one.boat_file]
 
 
 def predictors_sentence(found: Diagnosis) -> str:
     """Where the boat file predicts no better than a trivial predictor; empty if it is better everywhere."""
     for one in found.predictors:
-        if one.horizon_s >= FROM and (names := as_good(one)):
-            best = min(names, key=lambda name: float(getattr(one, name)))
+        errors = {name: float(getattr(one, name)) for name in TRIVIAL}
+        best = min(errors, key=errors.__getitem__)
+        if one.horizon_s >= FROM and errors[best] <= one.boat_file:
             advice = " Fit its numbers before reading causes: swamp-rl identify boat."
-            if _explained(found, one.horizon_s, getattr(one, best)):
+            if _explained(found, one.horizon_s, errors[best]):
                 advice = " The extended boat predicts better than both."
             return (
                 f"The boat file predicts positions {one.horizon_s:g} s ahead no better than {TRIVIAL[best]}: "
-                f"{one.boat_file:.3g} m against {getattr(one, best):.3g} m.{advice}"
+                f"{one.boat_file:.3g} m against {errors[best]:.3g} m.{advice}"
             )
     return ""
 
@@ -135,14 +132,6 @@ def _share_cells(one: Share) -> tuple[str, ...]:
     )
 
 
-COUNTS = {1: "once", 2: "twice"}
-
-
-def times(count: int) -> str:
-    """`once`, `twice`, `3 times`."""
-    return COUNTS.get(count, f"{count} times")
-
-
 def self_trial_sentence(found: Diagnosis) -> str:
     """How often twins of the answer are diagnosed alike; empty where there was no self-trial."""
     trial = found.self_trial
@@ -151,29 +140,26 @@ def self_trial_sentence(found: Diagnosis) -> str:
     if trial.omitted is not None:
         return f"No self-trial: {trial.omitted[0].lower()}{trial.omitted[1:]}"
     own = "diagnosed as nothing wrong" if found.verdict == "nothing_wrong" else "named"
-    others = [f"{times(count)} {_said(label)} instead" for label, count in trial.confused_with.items()]
+    times = {1: "once", 2: "twice"}
+    others = [
+        f"{times.get(count, f'{count} times')} {label if label in PLAIN else readable(label)} instead"
+        for label, count in trial.confused_with.items()
+    ]
     return f"{'; '.join([f'Self-trial: {own} {trial.named} of {trial.of} times', *others])}."
-
-
-def _said(label: str) -> str:
-    return "nothing" if label == "nothing" else label if label == "unexplained" else readable(label)
 
 
 def self_trial_section(found: Diagnosis) -> str:
     """The section of the page; empty where there was no self-trial."""
-    said = self_trial_sentence(found)
-    if not said or found.self_trial is None:
+    if found.self_trial is None:
         return ""
-    how = (
-        "by a full search"
-        if found.self_trial.method == "search"
-        else "by the criterion of this answer and of its competitors, linearised about fits without noise"
-    )
-    note = (
-        ""
-        if found.self_trial.omitted
-        else "<p>Twins are runs simulated from this answer with the same commands, lengths, sampling and "
-        f"estimated noise. Each was diagnosed from the boat file again, {how}. The rate is that at which an "
-        "answer of this size would be found again, if it is true.</p>"
-    )
-    return f"<h2>Self-trial</h2><p><b>{html.escape(said)}</b></p>{note}"
+    how = "by a full search"
+    if found.self_trial.method == "linearised":
+        how = "by the criterion of this answer and of its competitors, linearised about fits without noise"
+    note = ""
+    if not found.self_trial.omitted:
+        note = (
+            "<p>Twins are runs simulated from this answer with the same commands, lengths, sampling and "
+            f"estimated noise. Each was diagnosed from the boat file again, {how}. The rate is that at which "
+            "an answer of this size would be found again, if it is true.</p>"
+        )
+    return f"<h2>Self-trial</h2><p><b>{html.escape(self_trial_sentence(found))}</b></p>{note}"

@@ -57,6 +57,7 @@ def extension_section(found: Diagnosis) -> str:
     parts = [f"<h2>The missing force as an effect</h2><p>{html.escape(extension_sentence(found))}</p>"]
     for curve in found.extension.curves:
         name = html.escape(curve_name(curve))
+        units = curve.units if curve.formula else curve.units * len(curve.values)
         if curve.formula:
             ends = " to ".join(minus(rounded(end)) for end in curve.knots)
             parts.append(f"<p>{name}: {FORMULAS[curve.formula]}, x from {ends}</p>")
@@ -66,12 +67,7 @@ def extension_section(found: Diagnosis) -> str:
             parts.append(f"<p>{name}</p>")
             labels = [minus(rounded(knot)) for knot in curve.knots]
             heads = (COVARIATES[curve.covariate], "force", "standard error", "unit")
-        units = curve.units if curve.formula else curve.units * len(curve.values)
-        rows = [
-            (label, minus(rounded(value)), rounded(error), unit)
-            for label, value, error, unit in zip(
-                labels, curve.values, curve.standard_errors, units, strict=True
-            )
-        ]
+        every = zip(labels, curve.values, curve.standard_errors, units, strict=True)
+        rows = [(label, minus(rounded(value)), rounded(error), unit) for label, value, error, unit in every]
         parts.append(table(heads, rows, numbers=(1, 2)))
     return "".join(parts)

@@ -154,15 +154,14 @@ def perfect_errors(finding: Finding, rng: np.random.Generator) -> dict[str, dict
             before = squares.get(gain.horizon_s, np.zeros((0, len(CHANNELS))))
             squares[gain.horizon_s] = np.concatenate([before, made.error**2])
     return {
-        name: {h: math.sqrt(np.nanmean(e[:, c]) * len(c)) for h, e in squares.items() if _any(e[:, c])}
+        name: {
+            h: math.sqrt(np.nanmean(e[:, c]) * len(c))
+            for h, e in squares.items()
+            if np.isfinite(e[:, c]).any()
+        }
         for name, c in QUANTITIES.items()
         if np.isfinite(finding.run_set.measured[..., c]).any()
     }
-
-
-def _any(errors: Array) -> bool:
-    """Whether any error is known: of a horizon longer than the runs, none is."""
-    return bool(np.isfinite(errors).any())
 
 
 def perfect_run_set(finding: Finding, rng: np.random.Generator) -> RunSet:
@@ -238,13 +237,14 @@ def shown_variables(
     run_set: RunSet, forces: Forces, preferred: Sequence[str] = ()
 ) -> dict[str, tuple[str, float]]:
     """Label and factor by name: motion, and azimuth and throttle of a preferred or the most used thruster."""
-    names = [
-        name for name in run_set.boat.thruster_names if name in preferred[:1]
-    ] or run_set.boat.thruster_names
-    swings = [np.ptp(forces.variables.get(f"azimuth {name}", np.zeros(1))) for name in names]
-    works = [np.ptp(forces.variables.get(f"throttle {name}", np.zeros(1))) for name in names]
-    turning, working = names[int(np.argmax(swings))], names[int(np.argmax(works))]
-    wanted = ("speed", "yaw rate", f"throttle {working}", f"azimuth {turning}", "heading", "time")
+    every = run_set.boat.thruster_names
+    names = [name for name in every if name in preferred[:1]] or every
+
+    def most_moved(what: str) -> str:
+        named = [f"{what} {name}" for name in names]
+        return max(named, key=lambda one: float(np.ptp(forces.variables.get(one, np.zeros(1)))))
+
+    wanted = ("speed", "yaw rate", most_moved("throttle"), most_moved("azimuth"), "heading", "time")
     return {name: labelled(name) for name in wanted if name in forces.variables}
 
 

@@ -79,22 +79,17 @@ def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
 
 
 def opening(found: Diagnosis, run_set: RunSet) -> str:
-    """The verdict, its meaning, and the data."""
+    """The verdict, what must be known before the causes are read, the meaning, and the data."""
     minutes = float(run_set.lengths.sum()) * run_set.dt / 60.0
-    said = found.verdict.replace("_", " ")
+    first = (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found))
+    said = "".join(f"<p><b>{html.escape(one)}</b></p>" for one in first if one)
     return (
-        f'<span class="badge {found.verdict}">{said}</span>'
-        f"<h1>{html.escape(headline(found))}</h1>{_honest(found)}<p>{html.escape(meaning(found))}</p>"
+        f'<span class="badge {found.verdict}">{found.verdict.replace("_", " ")}</span>'
+        f"<h1>{html.escape(headline(found))}</h1>{said}<p>{html.escape(meaning(found))}</p>"
         f'<p class="soft">Boat file <b>{html.escape(run_set.boat.name)}</b> against '
         f"{counted(len(run_set.lengths), 'run')}, {minutes:.1f} minutes in all, "
         f"{1 / run_set.dt:.3g} samples a second.</p>"
     )
-
-
-def _honest(found: Diagnosis) -> str:
-    """What must be known before the causes are read."""
-    said = (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found))
-    return "".join(f"<p><b>{html.escape(one)}</b></p>" for one in said if one)
 
 
 def cards(found: Diagnosis) -> str:
@@ -108,11 +103,10 @@ def cards(found: Diagnosis) -> str:
         if paired is None:
             continue
         title, unit, factor, _ = SHOWN[name]
-        change = f"{rounded(factor * paired.before)} {unit}"
-        if is_extended(found):
-            change = f"{rounded(factor * paired.before)} → {rounded(factor * paired.after)} {unit}"
+        after = f" → {rounded(factor * paired.after)}" if is_extended(found) else ""
         made.append(
-            f'<div class="card"><b>{change}</b><span>{title} error {gain.horizon_s:g} s ahead</span></div>'
+            f'<div class="card"><b>{rounded(factor * paired.before)}{after} {unit}</b>'
+            f"<span>{title} error {gain.horizon_s:g} s ahead</span></div>"
         )
     return f'<div class="cards">{"".join(made)}</div>'
 
@@ -217,14 +211,14 @@ def separating_manoeuvre(found: Diagnosis, run_set: RunSet) -> str:
     if not separates(found):
         return f"<p>{html.escape(separating_sentence(found).capitalize())}.</p>"
     apart = f"{trial.separation:.1f}" if trial.separation < 100.0 else "100"
-    enough = "Three are sufficient to distinguish them."
-    if trial.separation < ENOUGH:
-        enough = "Three are needed: repeat it several times."
+    repeat = (
+        "needed: repeat it several times" if trial.separation < ENOUGH else "sufficient to distinguish them"
+    )
     return (
         "<h2>Separating manoeuvre</h2><p>Of the manoeuvres that this boat can sail: "
         f"<b>{html.escape(manoeuvre_words(trial.manoeuvre, run_set.boat))}</b>, "
         f"for {trial.duration_s:.0f} s with the same sensors. The explanation with the lowest χ² would "
-        f"then differ by {apart} standard errors or more from each of the others. {enough}</p>"
+        f"then differ by {apart} standard errors or more from each of the others. Three are {repeat}.</p>"
     )
 
 
@@ -296,10 +290,6 @@ def limits_section(found: Diagnosis, run_set: RunSet) -> str:
     return said
 
 
-def _interval(low: float, high: float) -> str:
-    return f"{low:.0f} to {high:.0f}"
-
-
 def details(found: Diagnosis, run_set: RunSet) -> str:
     """Measurement noise, and the hypotheses that were fitted."""
     rows = []
@@ -310,7 +300,12 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
             below = "below " if level <= least else ""
             rows.append((name.replace("_", " "), below + rounded(factor * max(level, least)), shown))
     tried = [
-        (readable(c.effect), f"{c.held_out_score:.3f}", minus(f"{c.gain:.0f}"), minus(_interval(*c.gain_ci)))
+        (
+            readable(c.effect),
+            f"{c.held_out_score:.3f}",
+            minus(f"{c.gain:.0f}"),
+            minus("{:.0f} to {:.0f}".format(*c.gain_ci)),
+        )
         for c in found.candidates
     ]
     heads = ("hypothesis", "χ² a sample (noise alone: 1)", "reduction [χ²]", "95 % interval")

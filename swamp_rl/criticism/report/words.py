@@ -9,7 +9,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.model.candidates import selectors
-from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Limit
+from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.effects import LIBRARY
 from swamp_rl.html_page import minus, plain, rounded
 
@@ -43,15 +43,15 @@ def is_extended(found: Diagnosis) -> bool:
 
 def headline(found: Diagnosis) -> str:
     """The verdict as one sentence."""
-    if found.verdict == "nothing_wrong" and found.minor:
-        return "No model error matters: what is significant changes no prediction."
     if found.verdict == "nothing_wrong":
+        if found.minor:
+            return "No model error matters: what is significant changes no prediction."
         return "No model error is detectable: the residuals are measurement noise."
     if found.verdict == "cause":
         count = "one effect" if len(found.causes) == 1 else f"{len(found.causes)} effects"
         return f"The model lacks {count}: {causes(found)}."
     if found.verdict == "indistinguishable":
-        names = [readable(name) for name in found.indistinguishable[0]] if found.indistinguishable else []
+        names = [readable(name) for group in found.indistinguishable for name in group]
         if len(names) > 2:
             return f"The model error is not attributable to one of {len(names)} effects: {either(names)}."
         return f"The model error is not attributable to one effect: {' or '.join(names)}."
@@ -70,9 +70,8 @@ def partly(found: Diagnosis) -> str:
     if not found.causes:
         return ""
     others = [readable(name) for group in found.indistinguishable for name in group[1:]]
-    instead = f", or equally {others[0]}" if others else ""
-    if len(others) > 1:
-        instead = f", or equally one of {len(others)} others (see below)"
+    which = others[0] if len(others) == 1 else f"one of {len(others)} others (see below)"
+    instead = f", or equally {which}" if others else ""
     return f" Part of it is explained by {causes(found)}{instead}."
 
 
@@ -269,12 +268,8 @@ def effects_listed(labels: Sequence[str], boat: Boat) -> str:
 
 def parameter_sets(cause: Cause) -> list[tuple[str, dict[str, Estimate]]]:
     """The parameters of a cause: those that all runs share, or the mean and those of each group by name."""
-    if not cause.groups:
-        return [("", cause.parameters)]
-    return [
-        (", mean", cause.parameters),
-        *((f", {name}", parameters) for name, parameters in cause.groups.items()),
-    ]
+    own = [(f", {name}", parameters) for name, parameters in cause.groups.items()]
+    return [(", mean" if own else "", cause.parameters), *own]
 
 
 def spread_sets(cause: Cause) -> list[tuple[str, str, str, str]]:
@@ -315,14 +310,15 @@ def number_cells(estimate: Estimate) -> tuple[str, str, str]:
     the runs do not determine it.
     """
     factor, unit = (180.0 / math.pi, "degrees") if estimate.unit == "rad" else (1.0, estimate.unit)
+    shown = plain(factor * estimate.value)
     if not estimate.identifiable:
-        return plain(factor * estimate.value), "not determined by these runs", written(unit)
+        return shown, "not determined by these runs", written(unit)
     if estimate.at_bound:
-        ended = plain(factor * estimate.value)
-        return ended, edge(estimate.limit, ended), written(unit)
+        way = f": {estimate.limit.replace('_', ' ')} {shown}" if estimate.limit else ", no interval"
+        return shown, f"at the bound of the fit{way}", written(unit)
     value, reach = factor * estimate.value, factor * Z95 * estimate.standard_error
-    places = 2 if reach <= 0.0 or not math.isfinite(reach) else max(0, 1 - math.floor(math.log10(reach)))
-    places = min(places, 6)
+    known = reach > 0.0 and math.isfinite(reach)
+    places = min(6, max(0, 1 - math.floor(math.log10(reach)))) if known else 2
     low, middle, high = (minus(f"{v:.{places}f}") for v in (value - reach, value, value + reach))
     return middle, f"{low} to {high}", written(unit)
 
@@ -330,12 +326,6 @@ def number_cells(estimate: Estimate) -> tuple[str, str, str]:
 def written(unit: str) -> str:
     """A unit with superscripts on one line, nothing for 1."""
     return "" if unit == "1" else unit.replace("2", "²").replace("3", "³").replace(" ", "\N{NO-BREAK SPACE}")
-
-
-def edge(limit: Limit | None, value: str) -> str:
-    """The cell of a value that ended at a bound of the fit."""
-    way = f": {limit.replace('_', ' ')} {value}" if limit else ", no interval"
-    return f"at the bound of the fit{way}"
 
 
 def neutral_value(effect: str, parameter: str, boat: Boat) -> str:
