@@ -18,7 +18,7 @@ from swamp_rl.experiments.synthetic.cases import DT, Array, Case, Rng, deviation
 
 from benchmarks.blind.bound import START_STEP, STATES, STEPS, away_from_neutral, numbers_of
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.criticism.model.candidates import EffectInstance, candidates, entries_of, neutral_of
+from swamp_rl.criticism.model.candidates import EffectInstance, candidates, entry_of, neutral_of
 from swamp_rl.effects import EffectEntry, apply_effects, parse_effects
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.sensors import observe
@@ -107,7 +107,7 @@ def columns_of(boat: Boat, instance: EffectInstance) -> list[Column]:
     for i, step in enumerate(steps):
         change = np.zeros(instance.size)
         change[i] = step
-        sides = [entries_of(instance, middle + side)[0] for side in (change, -change)]
+        sides = [entry_of(instance, middle + side) for side in (change, -change)]
         found.append(Column(_records(boat, sides), float(step)))
     return found
 

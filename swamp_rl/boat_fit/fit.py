@@ -21,10 +21,8 @@ from swamp_rl.criticism.likelihood.output_error import (
 )
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.nuisance.process_noise import (
-    by_channel,
     correlation_samples,
     residual_rms,
-    standardised_residual,
 )
 from swamp_rl.errors import UserError
 from swamp_rl.simulator.reference import reference_of
@@ -167,12 +165,12 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
         sound[sound], trust = kept, trust[kept]
         return problem, made
 
-    samples = correlation_samples(by_channel(problem, residual[sound]))
+    samples = correlation_samples(problem.windows.by_channel(residual[sound]))
     for _ in range(ROUNDS):
         sigma = sigma * np.sqrt(samples)
         problem, made = fitted(sigma, x, states, STEPS)
         x, states = made.x, made.states
-        samples = correlation_samples(standardised_residual(problem, made))
+        samples = correlation_samples(problem.windows.by_channel(made.residual))
         rms, trust = reweighted(problem, made, trust)
         sigma = sigma * rms
     sigma = sigma * np.sqrt(lost_freedom(problem, made, samples))

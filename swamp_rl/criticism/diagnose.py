@@ -66,7 +66,6 @@ from swamp_rl.unfinished import folder_beside
 Array = NDArray[np.float64]
 
 RESULT = "diagnosis.json"
-NONE = np.zeros(0)
 
 
 @one_thread()
@@ -159,7 +158,9 @@ def examine(
     leftover = list[ResidualForce]()
     if not found.adequate:
         rest = replace(run_set, gauss_markov=with_noise.gauss_markov)
-        leftover = residual_force_functions(rest, weight, _models(found.winner))
+        models = [(Hypothesis(), np.zeros(0)), (found.winner.hypothesis, found.winner.x)]
+        own = found.winner.hypothesis.instances
+        leftover = residual_force_functions(rest, weight, models if own else models[:1])
         extension = extend_by_force(without_process_noise(rest), weight, written, leftover, on, rng)
     predicting = continuation.problem(found.stage, written.hypothesis), written
     if extension and extension.told.written:
@@ -173,7 +174,7 @@ def examine(
     def rival(one: Fit) -> Contrast:
         apart = continuation.criterion(one) - continuation.criterion(found.winner)
         causes = causes_of(continuation.problem(found.stage, one.hypothesis), one)
-        return contrast(judged, found.winner, one, apart).model_copy(update={"rival": causes})
+        return contrast(judged, found.winner, one, apart, causes)
 
     diagnosis = Diagnosis(
         verdict=verdict_of(found, listed),
@@ -204,12 +205,6 @@ def examine(
     trial = _next_trial(with_noise, sigmas, judged, found, limits, rng) if limits else None
     diagnosis.next_trial = trial.told if trial else None
     return Finding(diagnosis, run_set, weight, continuation, found, written, extension, trial)
-
-
-def _models(winner: Fit) -> list[tuple[Hypothesis, Array]]:
-    """The boat file, and the winner where it adds an effect."""
-    own = [(winner.hypothesis, winner.x)] if winner.hypothesis.instances else []
-    return [(Hypothesis(), NONE), *own]
 
 
 def _next_trial(

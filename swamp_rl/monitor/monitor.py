@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.measurement_noise import noise_floor
-from swamp_rl.criticism.model.candidates import Hypothesis, entries_of
+from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.effects import LIBRARY
 from swamp_rl.link.stream import Sample
 from swamp_rl.monitor.change_test import ChangeTest
@@ -193,7 +193,7 @@ class Monitor:
         if refined:
             return []
         rivals = tuple(name for name, gap in behind.items() if gap < of.rival)
-        values = {name: float(value) for name, value in entries_of(first.instance, first.x)[0].values.items()}
+        values = {name: float(value) for name, value in first.instance.values(first.x).items()}
         return [Notice(now, first.time, label, values, rivals, channels)]
 
     def _with(self, onset: Onset) -> tuple[NDArray[Any], Array]:

@@ -30,6 +30,10 @@ class Windows:
         }
         return replace(self, **arrays)
 
+    def by_channel(self, residual: Array) -> Array:
+        """(W, T, 6) of residuals (W, M), without the rows that are only simulated."""
+        return residual.reshape(len(residual), -1, self.weight.shape[2])[:, self.pad :]
+
     @property
     def count(self) -> int:
         """W."""

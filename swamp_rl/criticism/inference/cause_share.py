@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.run_set import POSITIONS, RunSet
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.cross_validation import judged_numbers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -79,8 +79,7 @@ def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
         return [on]
     horizon = options().judged_horizons[-1]
     calm, windy = (boat_file_errors(one, on.weight, horizon) for one in (on.run_set, blown))
-    positions = QUANTITIES[JUDGED[0]]
-    paired = change(calm.error[:, positions], windy.error[:, positions], blocks_of(calm, horizon)[0], rng)
+    paired = change(calm.error[:, POSITIONS], windy.error[:, POSITIONS], blocks_of(calm, horizon)[0], rng)
     helps = paired is not None and paired.ci95[0] > 0.0
     return [on, Witness(blown, on.weight, on.others, measured_wind=True)] if helps else [on]
 
@@ -119,8 +118,8 @@ def shares_of(
     """The shares of one cause at one horizon, from errors (n, 6) without it and with it in blocks (n,)."""
     found = []
     for name in JUDGED:
-        columns = QUANTITIES[name]
-        one = change(before[:, columns], after[:, columns], block, rng)
+        less, whole = (errors[:, QUANTITIES[name]] for errors in (before, after))
+        one = change(less, whole, block, rng)
         if one is not None:
             found.append(
                 Share(
@@ -129,16 +128,11 @@ def shares_of(
                     without=one.before,
                     with_cause=one.after,
                     ci95=one.ci95,
-                    moved=_distance(before[:, columns], after[:, columns]),
+                    moved=float(np.sqrt(np.nanmean(((less - whole) ** 2).sum(axis=1)))),
                     wind=wind,
                 )
             )
     return found
-
-
-def _distance(before: Array, after: Array) -> float:
-    """Root mean square distance of predictions with errors (n, k) before and after, measured alike."""
-    return float(np.sqrt(np.nanmean(((before - after) ** 2).sum(axis=1))))
 
 
 def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
@@ -156,9 +150,6 @@ def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
         and one.moved < sizes[one.quantity]
         for one in shares
     )
-
-
-POSITIONS = QUANTITIES["position_rmse_m"]
 
 
 def written_fit(
@@ -237,7 +228,11 @@ def list_causes(
         cause.carries_over = cause.label not in left_out
         if one := found.confirmed.get(cause.label):
             cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
-    claimed = [cause for cause in every if _is_finite(cause)]
+    claimed = [
+        cause
+        for cause in every
+        if all(math.isfinite(one.value + one.standard_error) for one in cause.parameters.values())
+    ]
     alone = all(LIBRARY[cause.effect].nuisance for cause in claimed)
     named = [cause for cause in claimed if LIBRARY[cause.effect].nuisance == alone]
     return CauseList(
@@ -263,7 +258,3 @@ def _size(cause: Cause) -> float:
     """The largest part of an error that a cause accounts for [1]."""
     fitted = [one for one in cause.share if one.wind == "fitted"]
     return max(((one.without - one.with_cause) / one.without for one in fitted), default=0.0)
-
-
-def _is_finite(cause: Cause) -> bool:
-    return all(math.isfinite(p.value + p.standard_error) for p in cause.parameters.values())

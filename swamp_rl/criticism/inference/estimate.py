@@ -11,7 +11,7 @@ from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.inference.unidentifiable import unidentifiable
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
-from swamp_rl.criticism.model.candidates import EffectInstance, entries_of
+from swamp_rl.criticism.model.candidates import EffectInstance, entry_of
 from swamp_rl.criticism.nuisance.random_effect import random_effect
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Estimate, Limit, Spread
@@ -22,12 +22,8 @@ Array = NDArray[np.float64]
 def causes_of(problem: Shooting, at: Fit) -> list[Cause]:
     """Every named effect of a fit as a cause."""
     covariance = sandwich_covariance(problem, at)
-    causes = []
-    for instance, own in at.parts():
-        mine = at.hypothesis.columns(instance.label)
-        if not instance.curve:
-            causes.append(_cause(instance, own, covariance[np.ix_(mine, mine)], problem.run_set))
-    return causes
+    named = [(one, x, at.hypothesis.columns(one.label)) for one, x in at.parts() if not one.curve]
+    return [_cause(one, x, covariance[np.ix_(own, own)], problem.run_set) for one, x, own in named]
 
 
 def _cause(instance: EffectInstance, x: Array, covariance: Array, run_set: RunSet) -> Cause:
@@ -56,7 +52,7 @@ def _cause(instance: EffectInstance, x: Array, covariance: Array, run_set: RunSe
 
 def cause_of(instance: EffectInstance, x: Array, covariance: Array) -> Cause:
     """The cause whose parameters all runs share, from x (p,) with covariance (p, p)."""
-    selector: Any = entries_of(instance, x)[0].thruster
+    selector: Any = entry_of(instance, x).thruster
     return Cause(
         effect=instance.effect.name,
         thruster=list(selector) if isinstance(selector, tuple) else selector,
@@ -88,7 +84,7 @@ def _estimates(instance: EffectInstance, x: Array, covariance: Array) -> dict[st
             limit=_limit(slopes[name] * sides),
             identifiable=not (slopes[name] * unknown).any(),
         )
-        for name, value in entries_of(instance, x)[0].values.items()
+        for name, value in instance.values(x).items()
     }
 
 
@@ -107,13 +103,13 @@ def _limit(outwards: Array) -> Limit | None:
 
 def slopes_of(instance: EffectInstance, x: Array) -> dict[str, Array]:
     """Derivatives (p,) of each of the effect's parameters by the fitted ones."""
-    values = {name: float(value) for name, value in entries_of(instance, x)[0].values.items()}
+    values = instance.values(x)
     slopes = {name: np.zeros(len(x)) for name in values}
     for i, spec in enumerate(instance.specs):
         moved = x.copy()
         moved[i] += 1e-6 * spec.scale
-        for name, value in entries_of(instance, moved)[0].values.items():
-            slopes[name][i] = (float(value) - values[name]) / (1e-6 * spec.scale)
+        for name, value in instance.values(moved).items():
+            slopes[name][i] = (value - values[name]) / (1e-6 * spec.scale)
     return slopes
 
 

@@ -11,6 +11,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.model.candidates import EffectInstance, Spec
 from swamp_rl.criticism.model.scales import force_scale
+from swamp_rl.criticism.nuisance.force_functions import THRUST
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import CurvePoint, ResidualForce
 from swamp_rl.effects import LIBRARY
@@ -19,7 +20,6 @@ from swamp_rl.physics.force_curve import KNOTS
 
 Array = NDArray[np.float64]
 
-THRUST = "thrust of "
 PLACE = (("north", "position north"), ("east", "position east"))
 POWER = {"proportional": 1, "dead_zone": 1, "square": 2, "cube": 3}
 
@@ -37,7 +37,7 @@ def curve_instances(run_set: RunSet, leftover: Sequence[ResidualForce]) -> list[
     the position is tried first, listed or not: a line's force is a function of the speed as well. The thrust
     of a propeller with a rudder is listed beside the surge force that it is as well: the first one counts.
     """
-    listed: dict[tuple[str, str, str | None], ResidualForce] = {}
+    listed: dict[tuple[str, str, tuple[str, ...]], ResidualForce] = {}
     for one in leftover:
         if len(one.curve) > 1:
             listed.setdefault(_names(run_set.boat, one), one)
@@ -60,7 +60,7 @@ def _zero(run_set: RunSet, force: str, variable: str) -> ResidualForce:
 
 def _by_knots(run_set: RunSet, one: ResidualForce) -> tuple[EffectInstance, Array]:
     """The instance of a function, and its values as they were estimated."""
-    component, covariate, thruster = _names(run_set.boat, one)
+    component, covariate, selectors = _names(run_set.boat, one)
     values = variable_values(run_set, one.variable)
     if covariate in ANGLES and _goes_round(one.curve):
         return _round_an_angle(run_set.boat, one, values)
@@ -75,7 +75,7 @@ def _by_knots(run_set: RunSet, one: ResidualForce) -> tuple[EffectInstance, Arra
     knots = more_knots(at, values)
     curve = Curve(component, covariate, tuple(knots.tolist()), places=tuple(range(len(knots))))
     start = np.interp(knots, at, [point.force for point in one.curve])
-    return _instance(run_set.boat, curve, thruster), start
+    return _instance(run_set.boat, curve, selectors), start
 
 
 def more_knots(at: Array, values: Array) -> Array:
@@ -115,10 +115,10 @@ def with_knots_moved(
     assert curve is not None
     if curve.places != tuple(range(len(curve.knots))):
         return None
-    given, thruster = np.array(curve.knots), instance.selectors[0] if instance.selectors else None
-    place = int(np.abs(np.diff(values)).argmax())
+    given, place = np.array(curve.knots), int(np.abs(np.diff(values)).argmax())
     variable = curve.covariate.replace("_", " ")
-    variable += f" {thruster}" if variable in ("throttle", "azimuth") else ""
+    if variable in ("throttle", "azimuth"):
+        variable += f" {instance.selectors[0]}"
     added = _inside(given, place, (1 / 3, 2 / 3), variable_values(run_set, variable))
     if not len(added):
         return None
@@ -133,48 +133,46 @@ def with_knots_moved(
         left = np.arange(len(at)) != int(np.argmin(bends))
         at, force, held = at[left], force[left], held[left]
     moved = Curve(curve.component, curve.covariate, tuple(at.tolist()), places=tuple(range(len(at))))
-    return _instance(run_set.boat, moved, thruster), force
+    return _instance(run_set.boat, moved, instance.selectors), force
 
 
 def _round_an_angle(boat: Boat, one: ResidualForce, values: Array) -> tuple[EffectInstance, Array]:
     """Of an angle over a full turn: the first and the last knot, half a turn to either side, are one."""
-    component, covariate, thruster = _names(boat, one)
+    component, covariate, selectors = _names(boat, one)
     count = len(one.curve)
     apart = 2.0 * np.pi / count
     numbers = np.round(np.array([point.at for point in one.curve]) / apart).astype(int) % count
     force = np.array([point.force for point in one.curve])[np.argsort(numbers)]
-    order = (
-        np.arange(count + 1) - count // 2
-    ) % count  # from half a turn to port to half a turn to starboard
+    around = np.arange(count + 1) - count // 2  # from half a turn to port to half a turn to starboard
     near = np.round(values / apart).astype(int) % count
     known = np.array([(near == number).mean() >= options().knot_share for number in range(count)])
     place = np.where(known, np.cumsum(known) - 1, -1)
-    knots = apart * (np.arange(count + 1) - count // 2)
+    knots = apart * around
     knots[0], knots[-1] = -np.pi - 1e-9, np.pi + 1e-9
-    curve = Curve(component, covariate, tuple(knots.tolist()), places=tuple(place[order].tolist()))
-    return _instance(boat, curve, thruster), force[known]
+    curve = Curve(component, covariate, tuple(knots.tolist()), places=tuple(place[around % count].tolist()))
+    return _instance(boat, curve, selectors), force[known]
 
 
 def _goes_round(points: Sequence[CurvePoint]) -> bool:
     """Whether knots are evenly spaced over a full turn."""
     at = np.array([point.at for point in points])
-    return bool(
-        np.allclose(np.diff(np.unique(np.round(at, 6))), 2.0 * np.pi / len(at), atol=options().round_angle)
-    )
+    apart = np.diff(np.unique(np.round(at, 6)))
+    return np.allclose(apart, 2.0 * np.pi / len(at), atol=options().round_angle)
 
 
-def _names(boat: Boat, one: ResidualForce) -> tuple[str, str, str | None]:
-    """Component, variable and thruster, as `force_curve` has them. The thrust of a propeller with a rudder,
-    which the rudder does not turn, is a surge force.
+def _names(boat: Boat, one: ResidualForce) -> tuple[str, str, tuple[str, ...]]:
+    """Component, variable and thruster (none or one), as `force_curve` has them. The thrust of a propeller
+    with a rudder, which the rudder does not turn, is a surge force.
     """
     first, _, second = one.variable.partition(" ")
-    owner = one.force.removeprefix(THRUST) if one.force.startswith(THRUST) else None
-    component = "thrust" if owner else one.force
-    kinds = {thruster.name: thruster.kind for thruster in boat.thrusters}
-    if owner and kinds[owner] == "propeller_rudder":
-        component, owner = "surge", None
+    kinds = {f"{THRUST}{thruster.name}": thruster.kind for thruster in boat.thrusters}
+    component, owner = one.force, ()
+    if kinds.get(one.force) == "propeller_rudder":
+        component = "surge"
+    elif one.force in kinds:
+        component, owner = "thrust", (one.force.removeprefix(THRUST),)
     if first in ("azimuth", "throttle"):
-        return component, first, second
+        return component, first, (second,)
     return component, one.variable.replace(" ", "_"), owner
 
 
@@ -199,27 +197,20 @@ def variable_values(run_set: RunSet, variable: str) -> Array:
     return within_half_turn(values) if variable == "heading" else values
 
 
-def _instance(boat: Boat, curve: Curve, thruster: str | None) -> EffectInstance:
+def _instance(boat: Boat, curve: Curve, selectors: tuple[str, ...]) -> EffectInstance:
     """A curve as an effect instance, its values within `curve_bound` typical sizes."""
     size = options().curve_scale * float(force_scale(boat)[2 if curve.component == "yaw" else 0])
     reach = max(abs(curve.knots[0]), abs(curve.knots[-1]))
-    scales = [size] * curve.size
-    limits = [(-options().curve_bound * size, options().curve_bound * size)] * curve.size
-    differences = [1e-6 * size] * curve.size
+    prior = None if curve.formula else size
     if curve.formula:
-        scales[0] = size / reach ** POWER.get(curve.formula, 0)
-        limits[0] = (-options().curve_bound * scales[0], options().curve_bound * scales[0])
-        differences[0] = 1e-6 * scales[0]
+        size /= reach ** POWER.get(curve.formula, 0)
+    most = options().curve_bound * size
+    specs = [Spec(size, -most, most, (), 1e-6 * size, prior, 0.0)] * curve.size
     if curve.formula and curve.size > 1:
-        scales[1] = options().threshold_scale * reach
-        limits[1] = (-2.0 * np.pi, 2.0 * np.pi) if curve.formula == "sine" else (0.0, reach)
-        differences[1] = (options().jump_step if curve.formula == "outside_radius" else 1e-6) * reach
-    specs = tuple(
-        Spec(scale, low, high, (), step, None if curve.formula else size, 0.0)
-        for scale, (low, high), step in zip(scales, limits, differences, strict=True)
-    )
-    selectors = () if thruster is None else (thruster,)
-    return EffectInstance(LIBRARY["force_curve"], selectors, specs, (), curve=curve)
+        low, high = (-2.0 * np.pi, 2.0 * np.pi) if curve.formula == "sine" else (0.0, reach)
+        step = options().jump_step if curve.formula == "outside_radius" else 1e-6
+        specs[1] = Spec(options().threshold_scale * reach, low, high, (), step * reach, None, 0.0)
+    return EffectInstance(LIBRARY["force_curve"], selectors, tuple(specs), (), curve=curve)
 
 
 def formula_instances(
@@ -235,11 +226,10 @@ def formula_instances(
     at = np.array([knot for knot, place in zip(curve.knots, curve.places, strict=True) if place >= 0])
     places = [place for place in curve.places if place >= 0]
     force, weight = values[places], 1.0 / np.maximum(error[places], 1e-12)
-    found = []
+    found, ends = [], (curve.knots[0], curve.knots[-1])
     for name in formulas_of(curve.covariate):
-        made = Curve(curve.component, curve.covariate, (curve.knots[0], curve.knots[-1]), name)
-        thruster = instance.selectors[0] if instance.selectors else None
-        found.append((_instance(boat, made, thruster), nearest_coefficients(name, at, force, weight)))
+        made = _instance(boat, Curve(curve.component, curve.covariate, ends, name), instance.selectors)
+        found.append((made, nearest_coefficients(name, at, force, weight)))
     return found
 
 
@@ -250,18 +240,19 @@ def nearest_coefficients(name: str, at: Array, force: Array, weight: Array) -> A
         basis = np.column_stack([np.sin(at), -np.cos(at)])
         inside, across = np.linalg.lstsq(basis * weight[:, None], force * weight, rcond=None)[0]
         return np.array([np.hypot(inside, across), np.arctan2(across, inside)])
-    if name in ("proportional", "square", "cube"):
-        shapes = [(None, np.sign(at) * size ** POWER[name])]
+    grid = np.linspace(0.0, options().formula_reach * reach, options().formula_grid)
+    shapes: list[tuple[tuple[float, ...], Array]]
+    if name == "dead_zone":
+        shapes = [((t,), np.sign(at) * np.maximum(size - t, 0.0)) for t in grid]
+    elif name == "outside_radius":
+        shapes = [((t,), np.sign(at) * (size > t)) for t in grid]
     else:
-        shapes = []
-        for threshold in np.linspace(0.0, options().formula_reach * reach, options().formula_grid):
-            beyond = np.maximum(size - threshold, 0.0) if name == "dead_zone" else size > threshold
-            shapes.append((threshold, np.sign(at) * beyond))
+        shapes = [((), np.sign(at) * size ** POWER[name])]
     best, least = np.zeros(1), np.inf
     for threshold, shape in shapes:
         square = float((weight * shape) @ (weight * shape))
         slope = float((weight * shape) @ (weight * force)) / square if square > 0.0 else 0.0
         left = float(((weight * (force - slope * shape)) ** 2).sum())
         if left < least:
-            best, least = np.array([slope] if threshold is None else [slope, threshold]), left
+            best, least = np.array([slope, *threshold]), left
     return best

@@ -84,7 +84,8 @@ def extend_by_force(
     comparisons = max(1, len(waiting))
     before = held_out_losses(problem, at)
     for _ in range(min(options().most_functions, len(waiting))):
-        fits = [_with(problem, at, one) for one in waiting]
+        added = [zip(one.instances, one.starts, strict=True) for one in waiting]
+        fits = [_fitted(problem, *joined([*at.parts(), *one]), at.states) for one in added]
         held_out = [held_out_losses(problem, one) for one in fits]
         best = int(np.argmin([np.nan_to_num(one.sum(), nan=np.inf) for one in held_out]))
         gain = confirmed_at(before - held_out[best], comparisons)
@@ -141,12 +142,6 @@ def _fitted(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array |
         start = np.where((given <= own)[:, None], states, start)
     states = first_states(problem, hypothesis, x, start)
     return fit(problem, hypothesis, x, states, options().again_steps, fresh=True)
-
-
-def _with(problem: Shooting, at: Fit, function: Function) -> Fit:
-    """The fit of one more function."""
-    more = zip(function.instances, function.starts, strict=True)
-    return _fitted(problem, *joined([*at.parts(), *more]), at.states)
 
 
 def _with_knots_moved(problem: Shooting, at: Fit, held_out: Array, function: Function) -> tuple[Fit, Array]:

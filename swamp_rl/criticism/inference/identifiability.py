@@ -14,22 +14,25 @@ from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.scales import window_lengths
 from swamp_rl.criticism.model.trial_limits import UNLIMITED
-from swamp_rl.criticism.nuisance.process_noise import correlation_samples, standardised_residual
+from swamp_rl.criticism.nuisance.process_noise import correlation_samples
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.result import Contrast, Manoeuvre
+from swamp_rl.criticism.result import Cause, Contrast, Manoeuvre
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.score_test import score_tests
 
 Array = NDArray[np.float64]
 
 
-def contrast(problem: Shooting, winner: Fit, rival: Fit, evidence: float) -> Contrast:
-    """Of two fits on the same windows; evidence: information criterion of the rival above the winner's."""
+def contrast(problem: Shooting, winner: Fit, rival: Fit, evidence: float, causes: list[Cause]) -> Contrast:
+    """Of two fits on the same windows; evidence: information criterion of the rival above the winner's;
+    causes: the rival's.
+    """
     return Contrast(
         effects=[winner.hypothesis.label, rival.hypothesis.label],
         angle=angle_between(problem, winner, rival),
         evidence=evidence,
         mutual_refit=max(refit(problem, winner, rival), refit(problem, rival, winner)),
+        rival=causes,
     )
 
 
@@ -78,7 +81,7 @@ def hidden_effects(
         return [one.instance.label for one in scores if one.information >= options().least_information]
     # variance of an estimate under errors of that size and correlation, over that under white noise
     size = max(found.winner.chi2 / judged.samples, 1.0)
-    wider = size * correlation_samples(standardised_residual(judged, found.winner))
+    wider = size * correlation_samples(judged.windows.by_channel(found.winner.residual))
     kept = {instance.label for instance in found.winner.hypothesis.instances}
     return [
         one.instance.label

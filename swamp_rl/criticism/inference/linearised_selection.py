@@ -132,12 +132,11 @@ def _competing_fits(
 
 def _is_out_of_reach(continuation: Continuation, whole: Hypothesis, less: Hypothesis) -> bool:
     """Whether the measured runs refuse `less` beside `whole`, at a stage, beyond what noise could change."""
-    stages = {stage for stage, label in continuation.fits if label == whole.label}
+    criterion, fits = continuation.criterion, continuation.fits
     return any(
-        continuation.criterion(continuation.fits[stage, less.label])
-        > continuation.criterion(continuation.fits[stage, whole.label]) + options().twin_out_of_reach
-        for stage in stages
-        if (stage, less.label) in continuation.fits
+        criterion(fits[stage, less.label]) > criterion(one) + options().twin_out_of_reach
+        for (stage, label), one in fits.items()
+        if label == whole.label and (stage, less.label) in fits
     )
 
 

@@ -94,7 +94,6 @@ def design_trial(
     family = command_family(boat, dt, limits.seconds, limits.throttle)
     fixed = manoeuvres(boat, dt, limits.seconds)
     listed = family.begun(np.stack(list(fixed.values())))
-    of_list = rate(question, listed, limits)
     found = _searched(question, family, limits, listed, rng)
     both = np.concatenate([listed, found[None]])
     rated = rate(question, both, limits)
@@ -113,7 +112,7 @@ def design_trial(
     if narrows:
         after = narrows.before / math.sqrt(1.0 + rated.least[best])
         narrows = narrows.model_copy(update={"after": after})
-    every = zip(fixed, of_list.least, of_list.rows, strict=True)
+    every = zip(fixed, rated.least, rated.rows, strict=False)  # less the last, which was found
     told = NextTrial(
         file=FILE,
         duration_s=rows * dt,

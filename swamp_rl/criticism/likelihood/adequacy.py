@@ -40,7 +40,7 @@ class Adequacy:
 def adequacy(problem: Shooting, at: Fit) -> Adequacy:
     """Of a fit's residuals."""
     pad = problem.windows.pad
-    residual = at.residual.reshape(at.residual.shape[0], -1, len(CHANNELS))[:, pad:]
+    residual = problem.windows.by_channel(at.residual)
     seen = problem.windows.weight[:, pad:] > 0
     excess = np.full((len(options().whiteness_scales), len(CHANNELS)), -np.inf)
     share = seen.sum(axis=(0, 1)) / max(1, int((problem.windows.steps - pad + 1).sum()))

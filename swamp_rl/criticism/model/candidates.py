@@ -210,7 +210,7 @@ class Hypothesis:
 
     def entries(self, x: Array) -> list[EffectEntry]:
         """The effects with their parameters; x: (p,) or (V, p) for V boats."""
-        return [entry for instance, own in self.parts(x) for entry in entries_of(instance, own)]
+        return [entry_of(instance, own) for instance, own in self.parts(x)]
 
     def records(
         self, boat: Boat, x: Array, plain: NDArray[Any] | None = None, runs: NDArray[np.int64] = ONE_RUN
@@ -228,7 +228,7 @@ class Hypothesis:
         for instance, own in self.parts(x):
             groups = np.array(instance.groups)[runs] if instance.groups else np.zeros(len(runs), dtype=int)
             rows = instance.by_group(own)[:, groups].reshape(len(made), -1)
-            entries += entries_of(instance.of_one, rows)
+            entries.append(entry_of(instance.of_one, rows))
         apply_effects(made, entries, boat.thruster_names)
         return made
 
@@ -239,12 +239,11 @@ def joined(parts: Iterable[tuple[EffectInstance, Array]]) -> tuple[Hypothesis, A
     return Hypothesis(tuple(one for one, _ in every)), np.concatenate([np.zeros(0), *(x for _, x in every)])
 
 
-def entries_of(instance: EffectInstance, x: Array) -> list[EffectEntry]:
-    """Effect entries of one effect instance; x: (..., p)."""
-    thruster = (
-        instance.selectors if instance.effect.swaps else instance.selectors[0] if instance.selectors else None
-    )
-    return [EffectEntry(instance.effect, thruster, instance.values(x), instance.curve)]  # type: ignore[arg-type]
+def entry_of(instance: EffectInstance, x: Array) -> EffectEntry:
+    """The entry of one effect instance; x: (..., p)."""
+    own = instance.selectors
+    thruster = own if instance.effect.swaps else own[0] if own else None
+    return EffectEntry(instance.effect, thruster, instance.values(x), instance.curve)  # type: ignore[arg-type]
 
 
 def candidates(

@@ -22,6 +22,7 @@ from swamp_rl.criticism.nuisance.force_functions import (
     force_likelihood,
     pairs,
 )
+from swamp_rl.criticism.nuisance.process_noise import inverse_correlation
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
@@ -85,9 +86,7 @@ def quadratic(found: ForceLikelihood, curves: Array, away: Array, precision: Arr
     information[:p, :p] = found.information[:, :p, :p].sum(axis=0)
     of_steps = found.gradient[:, :p].sum(axis=0) - precision * away
     gradient = np.concatenate([of_steps, np.einsum("wfk,wf->k", curves, g)])
-    pieces = g.shape[1] // AXES
-    apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * found.block * found.dt
-    alike = np.linalg.inv(np.exp(-apart / options().regression_time))
+    alike = inverse_correlation(g.shape[1] // AXES, found.block * found.dt, options().regression_time)
     chi2 = found.chi2 + float(precision @ away**2)
     return Quadratic(chi2, information, gradient, cross, H, g, precision, alike)
 

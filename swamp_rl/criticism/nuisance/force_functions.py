@@ -75,11 +75,9 @@ def force_likelihood(
     )
     problem = Shooting(run_set, weight, seconds, before=run_set.dt)
     if problem.windows.count > options().regression_windows:
-        chosen = np.zeros(problem.windows.count, dtype=bool)
-        chosen[
-            np.linspace(0, problem.windows.count - 1, options().regression_windows).round().astype(int)
-        ] = True
-        problem = problem.part(chosen)
+        every = np.arange(problem.windows.count)
+        chosen = np.linspace(0, every[-1], options().regression_windows).round()
+        problem = problem.part(np.isin(every, chosen))
     coarse = force_grid(problem, piece)
     block = -(-coarse.block // finer)
     coarse = ForceGrid(finer * block, -(-(problem.windows.rows - 1) // (finer * block)), coarse.inertia)

@@ -119,25 +119,19 @@ def _windows_of_each(
     run_set: RunSet, weight: Array, gaps: Sequence[Gap], ends_alone: bool = False
 ) -> tuple[Shooting, NDArray[np.int64]]:
     """A window for each possible command in each gap, or for the ends alone, and (W,) the gap of each."""
-    every = [possible_commands(run_set, gap) for gap in gaps]
-    rows = [
-        (number, reading)
-        for number, found in enumerate(every)
-        for reading, _ in ((found[0], found[gaps[number].rows]) if ends_alone else found)
-    ]
-    group = np.array([number for number, _ in rows])
-    runs = np.array([gaps[number].run for number in group])
+    rows = list[tuple[int, Array]]()
+    for number, gap in enumerate(gaps):
+        found = [reading for reading, _ in possible_commands(run_set, gap)]
+        rows += [(number, one) for one in ((found[0], found[gap.rows]) if ends_alone else found)]
+    group, own = np.array([number for number, _ in rows]), np.arange(len(rows))
+    runs, row, lost = np.array([(gap.run, gap.row, gap.rows) for gap in gaps])[group].T
     commands = run_set.commands[runs]
+    for given, start, count, (_, reading) in zip(commands, row, lost, rows, strict=True):
+        given[start : start + count] = reading
     around = math.ceil(options().around_gap / run_set.dt)
-    first = np.array([max(0, gaps[number].row - around) for number in group])
-    last = np.array([gaps[number].row + gaps[number].rows + around for number in group])
-    for i, (number, reading) in enumerate(rows):
-        gap = gaps[number]
-        commands[i, gap.row : gap.row + gap.rows] = reading
-    lengths = run_set.lengths[runs]
+    first = np.maximum(0, row - around)
     several = run_set.copies(runs.tolist(), commands)
-    steps = np.minimum(lengths - 1, last) - first
-    own = np.arange(len(rows))
+    steps = np.minimum(run_set.lengths[runs] - 1, row + lost + around) - first
     measured, seen = window_data(several, weight[runs], own, first, steps, 0)
     windows = Windows(own, first, steps, measured, seen, 0, int(steps.max()) + 1)
     return Shooting(several, weight[runs], options().around_gap, windows), group

@@ -32,6 +32,12 @@ class RandomForces:
     gain: float
 
 
+def inverse_correlation(pieces: int, piece: float, correlation_time: float) -> Array:
+    """(B, B) inverse of the correlation of a Gauss-Markov process in B intervals of `piece` s."""
+    apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * piece
+    return np.linalg.inv(np.exp(-apart / correlation_time))
+
+
 def random_forces(
     information: Array, gradient: Array, piece: float, correlation_time: float, scale: Array
 ) -> RandomForces:
@@ -40,8 +46,7 @@ def random_forces(
     expectation-maximisation (Dempster, Laird and Rubin 1977), one for each axis.
     """
     windows, pieces = len(gradient), gradient.shape[1] // AXES
-    apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * piece
-    alike = np.linalg.inv(np.exp(-apart / correlation_time))
+    alike = inverse_correlation(pieces, piece, correlation_time)
     power: Array = (np.array(options().process_reach) * scale) ** 2
     least = (np.array(options().process_least) * scale) ** 2
     for _ in range(options().process_rounds):
@@ -122,7 +127,9 @@ def model_error(
         x, states = made.x, made.states
         sigma = sigma * residual_rms(problem, made)
         problem = Shooting(run_set, seen / sigma, seconds)
-    samples = correlation_samples(standardised_residual(problem, fit(problem, hypothesis, x, states, steps)))
+    samples = correlation_samples(
+        problem.windows.by_channel(fit(problem, hypothesis, x, states, steps).residual)
+    )
     problem = Shooting(run_set, seen / (sigma * np.sqrt(samples)), seconds)
     problem.correlation_samples = samples
     sizes = np.where(seen.any(axis=(0, 1)), sigma, 0.0)
@@ -138,21 +145,11 @@ def in_noise_units(at: Fit, problem: Shooting, weight: Array) -> Fit:
     return replace(at, residual=residual.reshape(at.residual.shape))
 
 
-def standardised_residual(problem: Shooting, at: Fit) -> Array:
-    """(W, T, 6) residual of a fit in standard deviations, without the rows that are only simulated."""
-    return by_channel(problem, at.residual)
-
-
-def by_channel(problem: Shooting, residual: Array) -> Array:
-    """(W, T, 6) of the residual (W, M) of those windows, without the rows that are only simulated."""
-    return residual.reshape(len(residual), -1, len(CHANNELS))[:, problem.windows.pad :]
-
-
 def residual_rms(problem: Shooting, at: Fit) -> Array:
     """(6,) root mean square residual of each channel in standard deviations; 1 where nothing was measured."""
     seen = problem.windows.weight[:, problem.windows.pad :] > 0
     count = seen.sum(axis=(0, 1))
-    power = (standardised_residual(problem, at) ** 2).sum(axis=(0, 1)) / np.maximum(count, 1)
+    power = (problem.windows.by_channel(at.residual) ** 2).sum(axis=(0, 1)) / np.maximum(count, 1)
     power[POSITIONS] = power[POSITIONS].mean()
     return np.where(count > 0, np.sqrt(np.maximum(power, 1e-12)), 1.0)
 
