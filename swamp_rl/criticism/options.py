@@ -20,24 +20,20 @@ class Options:
     # ---- Data that no diagnosis is possible from
     shortest_run: float = 10.0  # s of a run: the horizon that causes are judged at
     least_data: float = 20.0  # s of all such runs together: two of the shortest
-    coarsest_step: float = 1.0  # s between samples: the shortest horizon of prediction errors
-    step_slack: float = 1.05  # ratio by which a step may exceed that
+    step_slack: float = 1.05  # ratio by which a sample step may exceed the shortest of `horizons`
     running_throttle: float = 0.02  # of full throttle from which a thruster runs
     track_mean: float = 5.0  # s of the means that suppress noise in the range of a track
     still_lengths: float = 0.806  # boat lengths of range, below which a boat stands still (2 m of SWAMP)
-    still_turn: float = 0.5  # rad of range, below which a boat does not turn
+    still_turn: float = 0.5  # rad of range, below which a boat does not turn, beyond which its sensors do
     # ---- Columns that contradict each other
     slope_span: float = 0.5  # s to either side of a central difference
     slope_span_rough: float = 2.0  # s of the same where positions are rough
     longest_lag: float = 2.0  # s between columns that are looked for
-    # boat lengths of scatter between samples, from which positions are rough (0.3 m of SWAMP)
-    rough_positions: float = 0.121
+    rough_positions: float = 0.121  # boat lengths of scatter between samples of rough positions (0.3 m)
     reading_poor: float = 0.3  # share of power explained as it stands, up to which another reading is tried
     reading_good: float = 0.7  # share explained by another reading, from which the column is refused
     out_of_step: float = 0.3  # s of lag that is refused; less is the effect `position_delay`
-    moved_turn: float = 0.5  # rad of range from which a constant sensor is refused
-    # boat lengths of range from which a constant sensor is refused (10 m of SWAMP)
-    moved_lengths: float = 4.03
+    moved_lengths: float = 4.03  # boat lengths of range at which a constant sensor is refused (10 m of SWAMP)
     lag_improvement: float = 0.5  # of the unexplained power that a lag must leave at most
     # ---- Excitation that the runs lack (advice alone: no diagnosis depends on it)
     speed_span: float = 2.0  # s of the differences that give speed and turning rate
@@ -52,19 +48,15 @@ class Options:
     # ---- Measurement noise and outliers
     # least sigma of a channel, in `state_scale`: the error of the integration
     noise_floor: tuple[float, ...] = (1.613e-3, 1.613e-3, 5e-4, 7.217e-4, 7.217e-4, 4.475e-4)
-    # sigmas beyond which a third difference is excluded from the root mean square
-    difference_clip: float = 4.0
+    difference_clip: float = 4.0  # sigmas beyond which a third difference is left out of the root mean square
     outlier: float = 6.0  # sigmas from the median of its neighbours: 2e-9 of normal noise
     outlier_neighbours: int = 7  # samples of that median
-    # share of rows with a sample, below which differences are taken of samples alone
-    slow_sensor: float = 0.6
+    slow_sensor: float = 0.6  # share of rows with a sample, below which differences are of samples alone
     # ---- The time grid
     grid_tolerance: float = 0.3  # of a sample step, largest distance of a row from the grid
     # ---- Simulation
-    # s at a run's start that are not compared: the actuators' state there is not recorded
-    least_transient: float = 3.0
-    # rad of azimuth and share of throttle by which two histories may differ
-    actuators_converged: float = 0.01
+    least_transient: float = 3.0  # s at a run's start, not compared: the actuators' state is not recorded
+    actuators_converged: float = 0.01  # rad of azimuth, share of throttle by which two histories may differ
     # ---- Candidates
     grid_directions: int = 8  # of a vector's grid: 45 degrees apart
     most_group_parameters: int = 2  # parameters of an effect that may differ between groups
@@ -93,8 +85,7 @@ class Options:
     # in `acceleration_scale`, of the finite difference
     acceleration_step: tuple[float, ...] = (0.00646, 0.00646, 0.00801)
     chunk_bytes: int = 2**26  # bytes of Jacobians or tracks that are computed at once
-    # rows of tracks that are turned to measurements at once: 0.8 MB, which a cache holds
-    observed_rows: int = 2**14
+    observed_rows: int = 2**14  # rows of tracks measured at once: 0.8 MB, which a cache holds
     # ---- Gauss-Markov measurement noise
     wander_times: tuple[float, ...] = (1.0, 3.0, 10.0, 30.0, 100.0)  # s, time constants tried
     # standard deviations tried, in those of the white noise
@@ -116,16 +107,14 @@ class Options:
     # in `state_scale`, of finite differences: unstable boats magnify them
     state_step: tuple[float, ...] = (8e-6, 8e-6, 1e-6, 7.2e-7, 7.2e-7, 8.9e-7)
     # ---- Levenberg-Marquardt of parameters and initial states
-    # tried in turn, relative to the reach of a parameter or state
-    dampings: tuple[float, ...] = (0.0, 1.0, 4.0, 16.0, 64.0)
+    dampings: tuple[float, ...] = (0.0, 1.0, 4.0, 16.0, 64.0)  # tried in turn, relative to a reach
     stray_window: float = 1.35  # times the median loss of a window whose initial state is refitted
     stray_rounds: int = 4  # iterations of that
     strays_one_in: int = 3  # windows, at most: where more are stray, it is the hypothesis that is wrong
     gain_ratio: float = 0.6  # below which a new Jacobian is taken
     gain_ratio_far: float = 0.9  # the same where a step gains more than `close_gain`
     close_gain: float = 30.0  # chi2 of such a step
-    # chi2 by which a window may become worse before its initial state is refitted
-    window_increase: float = 10.0
+    window_increase: float = 10.0  # chi2 by which a window may become worse unless its state is refitted
     # in `state_scale`: a large step of an initial state
     state_reach: tuple[float, ...] = (0.403, 0.403, 0.2, 0.144, 0.144, 0.179)
     state_gain: float = 2.0  # chi2 that refitting an initial state must promise at the end of a fit
@@ -146,8 +135,7 @@ class Options:
     fewest_blocks: int = 8  # blocks from which the scatter is estimated
     # ---- Levenberg-Marquardt window by window
     least_decrease: float = 0.3  # chi2: a step that lowers it by less ends a fit
-    # of chi2 above noise: the same for a hypothesis that is far from the data
-    least_decrease_share: float = 5e-3
+    least_decrease_share: float = 5e-3  # of chi2 above noise: the same for a hypothesis far from the data
     noise_chi2: float = 1.1  # chi2 a sample that counts as noise there
     first_damping: float = 0.01  # Marquardt's, the first after a step that fails
     last_damping: float = 1.0  # above which a window whose initial state did not improve is left
@@ -155,8 +143,7 @@ class Options:
     window_decrease: float = 0.03  # chi2 that a step of a window must promise: a tenth of `least_decrease`
     # ---- Commands during lost rows
     around_gap: float = 5.0  # s to either side of a gap that are compared
-    # chi2 between the latest and the earliest change, below which a gap is ignored
-    negligible_gap: float = 2.0
+    negligible_gap: float = 2.0  # chi2 between the latest and the earliest change: less of a gap is ignored
     other_command_gain: float = 1.0  # chi2 by which another command must be better
     other_shares: tuple[float, ...] = (0.5, -1.0, 2.0)  # of the change: other commands that a gap may hide
     other_share_gain: float = 9.0  # chi2 that such a command must save: 3 standard errors
@@ -185,8 +172,7 @@ class Options:
     strides: tuple[int, ...] = (1, 2, 4, 8)  # samples, of the fit
     judged_stride: int = 3  # samples, of the recognition
     smoothed_ratio: float = 1.6  # least ratio of variances over that stride and over one: a pole of 0.35
-    # of that ratio, from which it is the motion (6) and no filter's noise (1 to 3)
-    motion_exponent: float = 4.0
+    motion_exponent: float = 4.0  # of that ratio, from which it is the motion (6), no filter's noise (1 to 3)
     first_order_exponent: float = 1.2  # up to which the filter is of first order, and lags behind the motion
     smoothed_certainty: float = 6.0  # standard errors of the ratio beside that
     rounding_noise: float = 1e-9  # of `state_scale`: less is the rounding of a simulation, no sensor's
@@ -208,14 +194,12 @@ class Options:
     unlogged_limit: float = 2.0  # reaches, largest change
     # ---- Elimination and rivals
     separation: float = 9.0  # of the information criterion, below which two hypotheses are indistinguishable
-    # the same for a generalisation of the best: chance brings one nearer in 1 % of cases
-    separation_general: float = 3.0
+    separation_general: float = 3.0  # the same for a generalisation of the best: 1 % by chance
     compared: float = 40.0  # the same on shorter windows, above which longer ones are not compared
     clearly: float = 50.0  # of the criterion, more than longer windows change a comparison by
     overwhelming: float = 500.0  # the same, more than the error of a fit that has not converged
     diverged: float = 10.0  # chi2 a sample, of whole runs that diverged
-    # prior standard deviations of a derivative, beyond which another effect is tried in its place
-    nuisance_limit: float = 1.8
+    nuisance_limit: float = 1.8  # prior standard deviations of a derivative: beyond, an effect replaces it
     most_rivals: int = 4  # that are listed
     stages_tested: int = 3  # window lengths on which a cause may be confirmed (Bonferroni)
     # ---- Beam search
@@ -225,8 +209,7 @@ class Options:
     shortlist: int = 8  # sets that are fitted at each depth
     always_fitted: int = 3  # of them, unless the residual of one is noise
     followed: int = 4  # of them, those that are fitted to longer windows
-    # squared typical size over variance: the standard error is a third of that size
-    least_information: float = 10.0
+    least_information: float = 10.0  # squared typical size over variance: a standard error of a third of it
     jump_part: int = 4  # windows of which one is fitted first for an effect without parameters
     jump_windows: int = 16  # windows in all, from which that is done
     follow_share: float = 0.2  # of the best gain by which another may be worse and still be followed
@@ -238,14 +221,12 @@ class Options:
     exchange_fits: int = 2  # sets that are fitted in place of each effect
     exchange_budget: float = 12e6  # boat steps, about ten seconds, after which no further round is begun
     exchange_hopeless: float = 30.0  # chi2 a sample of the middle windows, above which none is tried
-    # typical sizes to either side of its values that an effect begins again from
-    exchange_reach: float = 0.5
+    exchange_reach: float = 0.5  # typical sizes to either side of its values that an effect begins again from
     # ---- Reconstruction of commands between samples
     # of a step that are tried: linear interpolation, and the next row's command
     reconstruction_shares: tuple[float, ...] = (0.5, 1.0)
     reconstruction_gain: float = 40.0  # chi2 that a reconstruction must save
-    # of chi2 above noise that it must save: commands do not explain a missing force
-    reconstruction_share: float = 0.2
+    reconstruction_share: float = 0.2  # of chi2 above noise, also: commands do not explain a missing force
     reconstruction_most: float = 3.0  # chi2 a sample above which none is accepted
     reconstruction_hopeless: float = 30.0  # chi2 a sample above which none is tried
     instants_damping: tuple[float, float, int] = (0.1, 10.0, 5)  # of the information: least, factor, tries
@@ -269,8 +250,7 @@ class Options:
     wave_sampling: float = 0.3  # cycles a sample, at most
     peak_reach: int = 3  # frequencies to either side that a peak exceeds
     # ---- Information criterion
-    # of a coefficient's scale that has a prior, as rich runs of some minutes give it
-    posterior_sd: float = 0.01
+    posterior_sd: float = 0.01  # of a coefficient's scale that has a prior, from rich runs of some minutes
     # ---- Noise under which the selection is made
     model_error_chi2: float = 3.0  # chi2 a sample from which the model error dominates
     wander_rounds: int = 3  # repetitions of fit and noise estimate
@@ -292,18 +272,15 @@ class Options:
     # ---- Stepwise selection under model error
     most_exchanges: int = 3  # single effects tried in place of each effect at the end
     screening_samples: int = 8000  # of score tests
-    # chance of any false alarm by the likelihood ratio tests beside errors of the model's curves
-    curve_errors_level: float = 1e-2
+    curve_errors_level: float = 1e-2  # of any false alarm by the ratio tests beside errors of the curves
     # ---- Share of the prediction error
     judged_horizons: tuple[float, ...] = (10.0, 30.0)  # s that causes are judged at
-    # of the error without the cause, below which it is minor if it is below the sensor's noise too
-    minor: float = 0.02
+    minor: float = 0.02  # of the error without the cause: less is minor, if below the sensor's noise too
     # ---- Estimates
     at_bound: float = 1e-3  # of a parameter's typical size: its distance from a bound that it is at
     # ---- Functions of the missing force
     curve_tails: float = 0.001  # of a noisy channel's samples to each side, which may be outliers
-    # of the last interval, by which knots reach beyond those of an unmeasured variable
-    curve_wider: float = 0.25
+    curve_wider: float = 0.25  # of the last interval, by which knots reach beyond an unmeasured variable's
     knot_share: float = 0.01  # of the samples about an angle's knot, below which its value is zero
     round_angle: float = 1e-3  # rad by which knots that go round an angle may be unevenly spaced
     curve_scale: float = 0.1  # of the boat's thrust: standard deviation of the prior of the values
@@ -323,8 +300,7 @@ class Options:
     regression_windows: int = 240  # evaluated; of more, evenly spaced ones
     knots: int = 6  # of a function of a variable
     knots_of_angle: int = 8  # of a function of an angle: 45 degrees apart
-    # thrusts, of the weights; the best is taken
-    regression_priors: tuple[float, ...] = (0.0205, 0.102, 0.512)
+    regression_priors: tuple[float, ...] = (0.0205, 0.102, 0.512)  # thrusts, of the weights; the best counts
     folds: int = 8  # at most
     regression_time: float = 4.0  # s, correlation time of the process noise
     regression_gain: float = 15.0  # chi2 on held-out folds that a further pair must save

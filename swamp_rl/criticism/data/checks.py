@@ -48,9 +48,9 @@ def refuse_too_short(runs: list[Run], folder: str) -> None:
 
 def refuse_too_coarse(dt: float, folder: str) -> None:
     """UserError where the sample step dt [s] exceeds the shortest horizon."""
-    if dt > options().step_slack * options().coarsest_step:
+    if dt > options().step_slack * options().horizons[0]:
         raise UserError(
-            f"{folder}: a sample every {dt:.3g} s; a diagnosis needs one every {options().coarsest_step:g} s "
+            f"{folder}: a sample every {dt:.3g} s; a diagnosis needs one every {options().horizons[0]:g} s "
             "or more often (10 a second serve well); record at a higher rate"
         )
 

@@ -53,10 +53,10 @@ def refuse_dead(measured: list[Array], dt: float, length: float, folder: str) ->
     went = furthest([NORTH, EAST])
     if dead([NORTH, EAST]):
         raise UserError(f"{folder}: north and east are the same in every row; record where the boat is")
-    if dead([HEADING]) and swung > options().moved_turn:
+    if dead([HEADING]) and swung > options().still_turn:
         raise UserError(f"{folder}: heading is the same in every row though yaw_rate is not 0; record it")
     for columns, stands, name in (
-        ([YAW_RATE], turned > options().moved_turn, "yaw_rate is"),
+        ([YAW_RATE], turned > options().still_turn, "yaw_rate is"),
         ([SURGE, SWAY], went > options().moved_lengths * length, "surge and sway are"),
     ):
         if stands and dead(columns) and not any(run.any() for run in finite_rows(columns)):

@@ -18,9 +18,12 @@ def missing_motion(run_set: RunSet, held_out: bool = False) -> list[str]:
 
     held_out: whether the gain is measured on other runs.
     """
-    speed, turn, heading = (np.concatenate(parts) for parts in zip(*_read(run_set), strict=True))
-    of = reference_of(run_set.boat)
-    moving, turning = speed > options().least_way * of.speed, options().least_turning * of.rate
+    read, of = _read(run_set), reference_of(run_set.boat)
+    speed, turn, heading = (np.concatenate(parts) for parts in zip(*read, strict=True))
+    way, turning = options().least_way * of.speed, options().least_turning * of.rate
+    moving = speed > way
+    # the heading of one run covers a full turn under way
+    circled = any((fast > way).any() and np.ptp(course[fast > way]) >= math.tau for fast, _, course in read)
     lacks = []
     if not _often(moving):
         lacks.append("way through the water: the boat hardly moves; run ahead at two speeds")
@@ -37,7 +40,7 @@ def missing_motion(run_set: RunSet, held_out: bool = False) -> list[str]:
         lacks.append(f"turns to {' and to '.join(sides)}: sail circles or zig-zags")
     if np.ptp(turn) < turning and not sides:
         lacks.append("turns of another rate: sail circles of two sizes")
-    if not _full_circle(run_set) and len(_quadrants(heading[moving])) < options().quadrants:
+    if not circled and len(_quadrants(heading[moving])) < options().quadrants:
         lacks.append("courses all round the compass, without which wind, current and a heading bias hide")
     lacks += _idle(run_set)
     lacks += _standing(run_set)
@@ -76,16 +79,6 @@ def _two_speeds(speed: Array) -> bool:
 def _quadrants(heading: Array) -> set[int]:
     places = np.floor(np.mod(heading, 2.0 * np.pi) / (2.0 * np.pi / options().quadrants)).astype(int)
     return {int(place) for place in np.unique(places) if _often(places == place)}
-
-
-def _full_circle(run_set: RunSet) -> bool:
-    """Whether the heading of one run covers a full turn under way."""
-    least = options().least_way * reference_of(run_set.boat).speed
-    return any(
-        bool(np.ptp(heading[speed > least]) >= math.tau)
-        for speed, _, heading in _read(run_set)
-        if (speed > least).any()
-    )
 
 
 def _standing(run_set: RunSet) -> list[str]:

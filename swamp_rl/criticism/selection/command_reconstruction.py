@@ -282,15 +282,16 @@ def is_refuted(before: Continuation, found: Selection, after: Continuation) -> b
 
 def is_better(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
     """Whether a selection with reconstructed commands ends clearly better."""
-
-    def reached(continuation: Continuation, one: Selection) -> float:
-        cost = continuation.problems[MIDDLE].run_set.instants_cost
-        return continuation.criterion(continuation.at(MIDDLE, one.winner)) + cost
-
     return again.adequate > found.adequate or (
         again.adequate == found.adequate
-        and reached(after, again) < reached(before, found) - options().reconstruction_gain
+        and _reached(after, again) < _reached(before, found) - options().reconstruction_gain
     )
+
+
+def _reached(continuation: Continuation, found: Selection) -> float:
+    """Criterion of a selection on the middle windows, the cost of its instants included."""
+    cost = continuation.problems[MIDDLE].run_set.instants_cost
+    return continuation.criterion(continuation.at(MIDDLE, found.winner)) + cost
 
 
 def is_noise_on_whole_runs(
@@ -303,13 +304,7 @@ def is_noise_on_whole_runs(
 
 def is_simpler(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
     """Whether a selection with reconstructed commands explains as much with fewer effects."""
-    one, other = (
-        continuation.criterion(continuation.at(MIDDLE, of.winner))
-        + continuation.problems[MIDDLE].run_set.instants_cost
-        for continuation, of in ((before, found), (after, again))
-    )
+    fewer = len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
     return (
-        again.adequate
-        and len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
-        and other < one + options().separation
+        again.adequate and fewer and _reached(after, again) < _reached(before, found) + options().separation
     )
