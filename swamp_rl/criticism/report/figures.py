@@ -27,6 +27,8 @@ BINS = 7
 ROUGH = 0.121  # lengths of noise from which a measured track is drawn in dots
 PERFECT = 4  # simulations of a perfect model
 MEASURED, BEFORE, AFTER = "#a9b2ba", "#c0392b", "#1f6fb2"
+NOISE: dict[str, Any] = {"color": "#555555", "ls": ":", "lw": 1.2}
+PERFECT_MODEL = NOISE | {"ls": "--"}
 DEGREES = 180.0 / math.pi
 VARIABLE_UNITS = {
     "time": ("s", 1.0),
@@ -82,30 +84,23 @@ def draw_tracks(figure: Any, finding: Finding) -> None:
         axes.set_aspect("equal", adjustable="datalim")
     for axes in grid[runs:]:
         axes.remove()
-    legend = [(MEASURED, 4, "measured"), (BEFORE, 1.5, "predicted by the boat file")]
-    legend += [(AFTER, 1.5, "predicted by the extended boat")] * finding.extended
-    _legend(figure, legend, f"restart, every {seconds:.3g} s", cloud=rough)
+    dots = {"marker": ".", "ls": "", "ms": 6}
+    measured_as = {"measured": {"color": MEASURED, **(dots if rough else {"lw": 4})}}
+    restart = {f"restart, every {seconds:.3g} s": {"color": "#222222", **dots}}
+    _legend(figure, measured_as | _lines(finding, "predicted by the ") | restart)
 
 
-def _legend(
-    figure: Any,
-    lines: list[tuple[str, float, str]],
-    dot: str = "",
-    noise: bool = False,
-    perfect: bool = False,
-    cloud: bool = False,
-) -> None:
+def _lines(finding: Finding, before: str = "") -> dict[str, dict[str, Any]]:
+    """Entries of a legend for the boat file and, where it differs, the extended boat."""
+    extended = {f"{before}extended boat": {"color": AFTER, "lw": 1.5}} if finding.extended else {}
+    return {f"{before}boat file": {"color": BEFORE, "lw": 1.5}} | extended
+
+
+def _legend(figure: Any, entries: dict[str, dict[str, Any]]) -> None:
+    """Above all axes; entries: the style of the line or the dot of each label."""
     from matplotlib.lines import Line2D
 
-    handles = [Line2D([], [], color=colour, lw=width, label=label) for colour, width, label in lines]
-    if cloud:  # the first line stands for dots
-        handles[0].set(linestyle="", marker=".", markersize=6)
-    if dot:
-        handles.append(Line2D([], [], color="#222222", marker=".", ls="", ms=6, label=dot))
-    if perfect:
-        handles.append(Line2D([], [], color="#555555", ls="--", lw=1.2, label="perfect model"))
-    if noise:
-        handles.append(Line2D([], [], color="#555555", ls=":", lw=1.2, label="measurement noise"))
+    handles = [Line2D([], [], label=label, **style) for label, style in entries.items()]
     figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
 
 
@@ -128,15 +123,15 @@ def draw_errors(figure: Any, finding: Finding) -> None:
             axes.loglog(horizons, [factor * one.after for _, one in kept], "s-", color=AFTER)
         if channel in finding.diagnosis.noise:  # which held-out runs may have alone
             noise = factor * finding.diagnosis.noise[channel] * math.sqrt(len(QUANTITIES[name]))
-            axes.axhline(noise, color="#555555", ls=":", lw=1.2)
+            axes.axhline(noise, **NOISE)
         known = [(h, factor * error) for h, error in perfect.get(name, {}).items() if h in horizons]
         if known:
-            axes.loglog(*zip(*known, strict=True), "--", color="#555555", lw=1.2)
+            axes.loglog(*zip(*known, strict=True), **PERFECT_MODEL)
         _plain_ticks(axes, horizons)
         axes.set(title=title, xlabel="seconds ahead")
         axes.set_ylabel(f"error [{unit}]")
-    lines = [(BEFORE, 1.5, "boat file")] + [(AFTER, 1.5, "extended boat")] * finding.extended
-    _legend(figure, lines, noise=True, perfect=own)
+    perfect_model = {"perfect model": PERFECT_MODEL} if own else {}
+    _legend(figure, _lines(finding) | perfect_model | {"measurement noise": NOISE})
 
 
 def perfect_errors(finding: Finding, rng: np.random.Generator) -> dict[str, dict[float, float]]:
@@ -222,8 +217,7 @@ def draw_forces(figure: Any, finding: Finding) -> None:
             if row == 2:
                 ax.set_xlabel(label)
         axes[row, 0].set_ylabel(title)
-    lines = [(BEFORE, 1.5, "missing from the boat file")]
-    _legend(figure, lines + [(AFTER, 1.5, "missing from the extended boat")] * finding.extended)
+    _legend(figure, _lines(finding, "missing from the "))
 
 
 def thrusters_of_causes(found: Diagnosis) -> list[str]:

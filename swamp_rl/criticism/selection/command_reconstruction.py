@@ -304,7 +304,6 @@ def is_noise_on_whole_runs(
 
 def is_simpler(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
     """Whether a selection with reconstructed commands explains as much with fewer effects."""
+    as_good = _reached(after, again) < _reached(before, found) + options().separation
     fewer = len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
-    return (
-        again.adequate and fewer and _reached(after, again) < _reached(before, found) + options().separation
-    )
+    return again.adequate and fewer and as_good
