@@ -223,3 +223,11 @@ def test_a_throttle_from_full_astern_to_full_ahead_is_interpolated_over_a_lost_r
     found = run_set_of([run], load_boat("swamp"), "folder")
     place = len(found.boat.thrusters) + found.boat.thruster_names.index("bs")
     assert list(found.commands[0, 99:102, place]) == [-1.0, 0.0, 1.0]
+
+
+def test_the_second_of_two_rows_in_one_sample_step_is_named() -> None:
+    columns = circling(30.0)
+    columns["time"][101:] -= 0.09
+    columns["time"][40] += 0.02  # further off the grid, but alone
+    with pytest.raises(UserError, match="row 102: time"):
+        run_set_of([Run("run", columns)], load_boat("swamp"), "folder")

@@ -261,8 +261,9 @@ def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array
     place = (run.time - run.time[0]) / dt
     index = np.rint(place).astype(int)
     off = np.abs(place - index)
-    if off.max() > options().grid_tolerance or (np.diff(index) <= 0).any():
-        row = int(off.argmax()) + 1
+    crowded = np.diff(index, prepend=-1) <= 0
+    if off.max() > options().grid_tolerance or crowded.any():
+        row = int((crowded if crowded.any() else off).argmax()) + 1
         raise UserError(
             f"{folder}: run {run.name}, row {row}: time {run.time[row - 1]:.3f} s does not fit the sample "
             f"step of {dt:.4f} s; resample the run to a fixed rate (missing rows are fine)"
