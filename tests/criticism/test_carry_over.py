@@ -79,4 +79,4 @@ def test_an_anemometer_is_heard_only_where_its_wind_predicts_better_than_none(an
     runs = ignored(BLOWN, angle)
     on = Witness(runs, weights(runs, noise_levels(runs)), others=False)
     found = witnesses(on, np.random.default_rng(0))
-    assert [one.measured_wind for one in found] == ([False, True] if angle == FROM else [False])
+    assert [one.wind for one in found] == (["fitted", "measured"] if angle == FROM else ["fitted"])

@@ -35,30 +35,25 @@ JUDGED: tuple[Judged, ...] = ("position_rmse_m", "heading_rmse_rad")
 @dataclass(frozen=True)
 class Witness:
     """Runs that predictions are compared with. weight: (R, T, 6); others: whether they are other runs than
-    those fitted to; where not, each run's numbers come from the others; measured_wind: whether the run set
-    has the measured wind, left out of the fit: the boat's own effects alone are judged in it then.
+    those fitted to; where not, each run's numbers come from the others; wind: where the run set has the
+    measured one, left out of the fit, the boat's own effects alone are judged in it.
     """
 
     run_set: RunSet
     weight: Array
     others: bool
-    measured_wind: bool = False
+    wind: Wind = "fitted"
 
     @property
     def runs(self) -> int:
         """R."""
         return len(self.run_set.lengths)
 
-    @property
-    def wind(self) -> Wind:
-        """The wind that its predictions are made in."""
-        return "measured" if self.measured_wind else "fitted"
-
     def judges(self, instance: EffectInstance) -> bool:
         """Whether predictions here depend on an instance: not on what other runs had of their own."""
         if self.others and instance.groups:
             return False
-        return not self.measured_wind or instance.effect.scope == "boat"
+        return self.wind == "fitted" or instance.effect.scope == "boat"
 
     def errors(self, continuation: Continuation, stage: int, of: Fit, horizon: float) -> Predicted:
         """Errors of predictions under a fit at a stage."""
@@ -81,7 +76,7 @@ def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
     calm, windy = (boat_file_errors(one, on.weight, horizon) for one in (on.run_set, blown))
     paired = change(calm.error[:, POSITIONS], windy.error[:, POSITIONS], blocks_of(calm, horizon)[0], rng)
     helps = paired is not None and paired.ci95[0] > 0.0
-    return [on, Witness(blown, on.weight, on.others, measured_wind=True)] if helps else [on]
+    return [on, Witness(blown, on.weight, on.others, wind="measured")] if helps else [on]
 
 
 def cause_shares(

@@ -166,7 +166,8 @@ def _names(boat: Boat, one: ResidualForce) -> tuple[str, str, tuple[str, ...]]:
     """
     first, _, second = one.variable.partition(" ")
     kinds = {f"{THRUST}{thruster.name}": thruster.kind for thruster in boat.thrusters}
-    component, owner = one.force, ()
+    component = one.force
+    owner: tuple[str, ...] = ()
     if kinds.get(one.force) == "propeller_rudder":
         component = "surge"
     elif one.force in kinds:

@@ -30,19 +30,14 @@ def with_sufficient_special_cases(
         return found
     for instance in found.winner.hypothesis.instances:
         for special in instances:
-            if not _is_declared(special, instance):
+            declared = special.effect.name in instance.effect.contains and not special.groups
+            if not declared or special.selectors != instance.selectors:
                 continue
             plain = with_special(continuation, found.winner, instance, special, found.stage)
             if _predicts_as_well(continuation, plain, found, on, rng):
                 simpler = replace(found, winner=plain)
                 return with_sufficient_special_cases(continuation, simpler, instances, on, rng)
     return found
-
-
-def _is_declared(special: EffectInstance, general: EffectInstance) -> bool:
-    """Whether an effect on the same thrusters is declared as a special case of another."""
-    declared = special.effect.name in general.effect.contains
-    return declared and special.selectors == general.selectors and not special.groups
 
 
 def _predicts_as_well(

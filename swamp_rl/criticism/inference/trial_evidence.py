@@ -104,7 +104,9 @@ def rate(question: Question, commands: Array, limits: TrialLimits) -> Rated:
     if question.column is not None:
         evidence[0, 0] = _information(answers[0], question.explanations[0], question.column, len(commands))
     for a, b in permutations(range(size), 2):
-        residual = _apart(problem, answers[a], answers[b]) * answers[b].seen
+        apart = answers[a].base - answers[b].base
+        apart[..., 2] = within_half_turn(apart[..., 2])
+        residual = problem.standardised(apart) * answers[b].seen
         evidence[a, b] = _distance(residual, answers[b], question.explanations[b], len(commands))
     steps = commands.shape[0] * commands.shape[1] * size + problem.boat_steps[0]
     return Rated(tracks, rows, evidence, steps)
@@ -160,13 +162,6 @@ def _response(problem: Shooting, one: Explanation, states: Array, seen: NDArray[
     by_x = problem.parameter_jacobian(one.hypothesis, one.x, states, base)
     channels = np.repeat(seen, base.shape[2], axis=1) & np.isfinite(by_state).all(axis=2)
     return _Response(base, by_state * channels[..., None], by_x * channels[..., None], channels)
-
-
-def _apart(problem: Shooting, true: _Response, fitted: _Response) -> Array:
-    """(V, M) what one explanation predicts less what another does, in standard deviations of the noise."""
-    apart = true.base - fitted.base
-    apart[..., 2] = within_half_turn(apart[..., 2])
-    return problem.standardised(apart)
 
 
 def _distance(residual: Array, fitted: _Response, one: Explanation, trials: int) -> Array:

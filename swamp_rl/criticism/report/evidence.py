@@ -93,13 +93,11 @@ def smoothed_sentence(found: Diagnosis) -> str:
 
 def share_rows(causes: list[Cause]) -> list[tuple[str, ...]]:
     """Errors without and with each cause, the share that it accounts for and its 95 % interval."""
-    rows: list[tuple[str, ...]] = []
-    for cause in causes:
-        name = readable(cause.label)
-        for one in cause.share:
-            rows.append((name, *_share_cells(one)))
-            name = ""
-    return rows
+    return [
+        ("" if number else readable(cause.label), *_share_cells(one))
+        for cause in causes
+        for number, one in enumerate(cause.share)
+    ]
 
 
 def share_text(cause: Cause) -> str:

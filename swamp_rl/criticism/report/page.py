@@ -191,12 +191,11 @@ def identifiability_section(found: Diagnosis, run_set: RunSet) -> str:
 
 def rivals_numbers(found: Diagnosis, run_set: RunSet) -> str:
     """The parameters of every hypothesis but the best."""
-    rows: list[tuple[str, ...]] = []
-    for one in found.contrasts:
-        title = readable(one.effects[-1])
-        for effect, _, *numbers in cause_rows(one.rival, run_set.boat):
-            rows.append((title, effect, *numbers))
-            title = ""
+    rows = [
+        ("" if number else readable(one.effects[-1]), effect, *numbers)
+        for one in found.contrasts
+        for number, (effect, _, *numbers) in enumerate(cause_rows(one.rival, run_set.boat))
+    ]
     if not rows:
         return ""
     heads = ("explanation", "effect", *CAUSES[2:])
