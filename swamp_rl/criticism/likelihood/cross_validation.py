@@ -100,7 +100,7 @@ class Confirmation:
 
     gain: of the saturated loss; low: lower end of its interval at `level`, corrected for the number of
     candidates; significant: whether a likelihood ratio test finds it beside errors of the model's curves,
-    None where there was no such test. It stands in for other runs where they have no part in the cause.
+    None where there was no such test. It decides where no other run has a part in the cause.
     """
 
     gain: float

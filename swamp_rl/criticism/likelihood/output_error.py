@@ -18,7 +18,7 @@ class Fit:
     """A fitted hypothesis.
 
     x: (p,); states: (W, 6); residual: (W, M) in standard deviations; loss: (W,) chi2 of each window; normal:
-    the normal equations there; penalty: of the prior; states_jacobian: (W, M, 6); steps: Jacobians used.
+    the normal equations there; penalty: of the prior; states_jacobian: (W, M, 6).
     """
 
     hypothesis: Hypothesis
@@ -29,7 +29,6 @@ class Fit:
     normal: Normal
     penalty: float
     states_jacobian: Array
-    steps: int
 
     @property
     def chi2(self) -> float:
@@ -134,9 +133,7 @@ def at_states(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array
     """The hypothesis at x (p,) as a fit of the initial states alone, from states (W, 6)."""
     states, base, residual = fit_states(problem, hypothesis, x, states, rounds)
     at = Iterate(x, states, base, residual, prior_penalty(hypothesis, x))
-    slopes = jacobians_at(problem, hypothesis, at)
-    normal, by_state = slopes.normal(residual), slopes.by_state
-    return Fit(hypothesis, x, states, residual, at.loss, normal, at.penalty, by_state, 1)
+    return _fitted(hypothesis, at, jacobians_at(problem, hypothesis, at))
 
 
 def first_states(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
@@ -253,8 +250,12 @@ def fit(
         slopes, used, newest = jacobians_at(problem, hypothesis, at), used + 1, True
     if fresh and not newest:
         slopes = jacobians_at(problem, hypothesis, at)
-    normal, by_state = slopes.normal(at.residual), slopes.by_state
-    return Fit(hypothesis, at.x, at.states, at.residual, at.loss, normal, at.penalty, by_state, used)
+    return _fitted(hypothesis, at, slopes)
+
+
+def _fitted(hypothesis: Hypothesis, at: Iterate, slopes: Jacobians) -> Fit:
+    normal = slopes.normal(at.residual)
+    return Fit(hypothesis, at.x, at.states, at.residual, at.loss, normal, at.penalty, slopes.by_state)
 
 
 def jacobians_at(

@@ -64,7 +64,7 @@ def beam_search(
         if depth == 1 and sufficient_reconstruction:
             closest = best if best.hypothesis.instances else _closest(continuation, tried.values())
             if sufficient_reconstruction(continuation, closest):
-                # an effect beside the best would only stand for the commands
+                # an effect beside the best would only absorb the error of the commands
                 found = conclude(continuation, closest, list(tried.values()), first, unidentifiable, every)
                 return replace(found, shallow=True)
         spent = continuation.boat_steps > step_budget and (depth > 0 or step_budget == 0.0)
@@ -235,7 +235,7 @@ def _expand(
 
 def _is_hopeless(continuation: Continuation, one: ScoreTest, beam: Sequence[Fit]) -> bool:
     """Whether an effect, fitted in full to one window in `jump_part`, has a greater chi2 on these windows
-    than the hypothesis without it. The part stands for all windows: a fit to all of them could differ.
+    than the hypothesis without it. A fit to all windows could differ.
     """
     problem = continuation.problems[0]
     if problem.windows.count < options().jump_windows:

@@ -60,7 +60,7 @@ def _searched_again(
     _, kept, accepts = attempt
     if accepts is is_better and is_refuted(continuation, found, wider):
         return None
-    if accepts is is_noise_on_whole_runs:  # an effect more would stand for what the instants leave
+    if accepts is is_noise_on_whole_runs:  # an effect more would absorb what the instants leave
         every = [*instances, *([hull] if hull else [])]
         best = fit_by_continuation(wider, *kept)
         again = conclude(wider, best, [], found.first, found.unidentifiable, every)

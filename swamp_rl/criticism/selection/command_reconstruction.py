@@ -170,7 +170,7 @@ def other_commands(
         less = fit_by_continuation(continuation, *kept)
         other = reconstruction_on_whole_runs(continuation, less, logged, found.winner)
         yield from _attempt(other or better_reconstruction(continuation, less, logged), kept, is_simpler)
-    # instants beside one of the rivals would tell against the others
+    # instants beside one of the rivals would favour it over the others
     if (found.stage < LAST or refines) and not found.rivals:
         other = reconstruction_on_whole_runs(continuation, at, logged)
         yield from _attempt(other, own, is_noise_on_whole_runs)

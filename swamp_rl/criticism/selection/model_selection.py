@@ -56,7 +56,7 @@ def select_model(
     given, logged = (instances, hull, tried), run_set
     continuation = continuation_of(run_set, weight)
     if _is_position_noise_sufficient(continuation):
-        # an effect of a search under white noise would only stand for that noise
+        # an effect of a search under white noise would only absorb that noise
         again = _with_position_noise(*given, continuation, continuation.boat_file(MIDDLE))
         if again is not None:
             return again
@@ -139,7 +139,7 @@ def _with_reconstruction(
     given = logged, instances, hull, tried
     found = beam_search(continuation, instances, hull, step_budget, sufficient, previous)
     better = with_better_commands(run_set, continuation, found, *given)
-    if found.shallow and better[1] is continuation:  # which another search did not bear out
+    if found.shallow and better[1] is continuation:  # which another search did not confirm
         found = beam_search(continuation, instances, hull, step_budget, None, previous)
         better = with_better_commands(run_set, continuation, found, *given)
     return better
