@@ -27,7 +27,7 @@ from swamp_rl.criticism.inference.force_extension import (
 )
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
-from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.report.extension import extension_section, extension_sentence
 from swamp_rl.criticism.result import CurvePoint, Diagnosis, ResidualForce, Share
@@ -190,7 +190,8 @@ def test_a_quadratic_drag_is_written_as_a_square_of_the_speed(brake: ForceExtens
     assert curve.units == ["N/(m/s)^2"]
     (value,) = BRAKE["values"]
     assert abs(curve.values[0] - value) < 4.0 * curve.standard_errors[0]
-    write_extended(tmp_path, "swamp", *brake.others, (), brake.entries)
+    named = joined((one, x) for one, x in brake.fit.parts() if not one.curve)
+    write_extended(tmp_path, "swamp", *named, (), brake.entries)
     boat = load_boat(tmp_path / "extended_boat.yaml")
     assert [entry.effect.name for entry in boat.effects] == ["force_curve"]
     assert (parameters(boat)["force_curves"][0, 0] != 0.0).any()
