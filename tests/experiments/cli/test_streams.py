@@ -28,10 +28,10 @@ def test_a_verb_does_its_work_without_a_standard_stream_and_writes_nothing_of_it
     assert without == with_all
 
 
-def test_letters_that_a_terminal_lacks_are_question_marks(folder: Path) -> None:
+def test_letters_that_a_terminal_lacks_are_question_marks(folder: Path, tmp_path: Path) -> None:
     environment = os.environ | {"PYTHONIOENCODING": "ascii:strict", "COLUMNS": "20"}
     for words in (["--help"], ["runs", "show", str(folder)], ["runs", "show", "naïve—"]):
-        done = subprocess.run([COMMAND, *words], env=environment, capture_output=True)
+        done = subprocess.run([COMMAND, *words], env=environment, capture_output=True, cwd=tmp_path)
         assert done.returncode == (2 if words[-1].startswith("na") else 0), done.stderr
         assert done.stdout.isascii() and done.stderr.isascii()
         assert b"?" in done.stdout + done.stderr
