@@ -11,7 +11,7 @@ from swamp_rl.criticism.inference.residual_force import residual_forces
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import Confirmation
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, losses
 from swamp_rl.criticism.model.candidates import Hypothesis, candidates
 from swamp_rl.criticism.selection.backward_elimination import Selection, without_unconfirmed
 from swamp_rl.criticism.selection.continuation import continuation_of
@@ -69,3 +69,9 @@ def test_residual_forces_need_positions_and_accept_a_slow_receiver(every: int, t
     forces = residual_forces(sparse, weight, Hypothesis(), np.zeros(0))
     assert (len(forces.force) > 10) == told
     assert residual_force_functions(sparse, weight, [(Hypothesis(), np.zeros(0))]) == []
+
+
+def test_the_loss_of_a_window_that_diverges_is_infinite() -> None:
+    loss = losses(np.array([[3.0, 4.0], [np.nan, 1.0], [np.inf, 1.0], [1e200, 1.0]]))
+    assert loss[0] == 25.0
+    assert np.isposinf(loss[1:]).all()

@@ -117,7 +117,7 @@ def fit_states(
         part, tried = chosen_windows(problem, active), states[active] + step[active]
         prediction = part.track(hypothesis, x, tried)
         left = part.residuals(prediction)
-        better = losses(residual[active]) - losses(left) > 0.0
+        better = losses(left) < losses(residual[active])
         place = np.flatnonzero(active)
         won, lost = place[better], place[~better]
         states[won], base[won], residual[won] = tried[better], prediction[better], left[better]
@@ -158,8 +158,9 @@ def next_damping(damping: Array, better: NDArray[np.bool_], first: float) -> Arr
 
 def losses(residual: Array) -> Array:
     """(W,) chi2 of each window's residuals (W, M), infinite where a simulation diverged."""
-    with np.errstate(over="ignore"):
-        return np.asarray((residual**2).sum(axis=1))
+    with np.errstate(over="ignore", invalid="ignore"):
+        loss = (residual**2).sum(axis=1)
+    return np.asarray(np.where(np.isnan(loss), np.inf, loss))
 
 
 def min_decrease(problem: Shooting, chi2: float) -> float:
