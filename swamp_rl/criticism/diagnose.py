@@ -189,7 +189,7 @@ def examine(
         leftover=leftover,
         extension=extension.told if extension else None,
         candidates=_candidates(continuation, found, rng),
-        hypotheses=len(found.tried),
+        hypotheses=sum(bool(one.hypothesis.instances) for one in found.tried),
         discrete=[one.hypothesis.label for one in found.tried if not one.hypothesis.size],
         unseen=[label for label in found.unidentifiable if label not in seen.union(hidden)],
         hidden=hidden,
@@ -248,12 +248,13 @@ def _gauss_markov_noise(run_set: RunSet) -> dict[str, GaussMarkovNoise]:
 
 def _candidates(continuation: Continuation, found: Selection, rng: np.random.Generator) -> list[Candidate]:
     problem, nothing = continuation.problems[0], continuation.boat_file(0)
+    samples = problem.samples / problem.correlation_samples  # that are independent
     listed = []
-    for one in [nothing, *found.tried]:
+    for one in [nothing, *(one for one in found.tried if one.hypothesis.instances)]:
         loss = heldout_loss(problem, one)
         gains = nothing.loss - loss
         interval = bootstrap_interval(gains, 1.0 - 2.0 * options().tail, rng)
-        score, gain = float(loss.sum()) / problem.samples, float(gains.sum())
+        score, gain = float(loss.sum()) / samples, float(gains.sum())
         listed.append(
             Candidate(effect=one.hypothesis.label, held_out_score=score, gain=gain, gain_ci=interval)
         )

@@ -120,7 +120,8 @@ class Cause(Part):
 class Candidate(Part):
     """A set of effects that was fitted, on the shortest windows.
 
-    held_out_score: chi2 a sample on held-out runs; gain: reduction of chi2 against the boat file.
+    held_out_score: chi2 an independent sample on held-out runs; gain: reduction of chi2 against the boat
+    file.
     """
 
     effect: str

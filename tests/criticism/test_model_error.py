@@ -56,6 +56,8 @@ def test_a_steady_wind_is_selected_under_gusts() -> None:
     assert np.hypot(*selection.winner.x) == pytest.approx(6.0, rel=0.25)
     assert np.arctan2(*selection.winner.x[::-1]) == pytest.approx(1.0, abs=0.25)
     assert selection.confirmed["wind"].holds and not selection.adequate
+    labels = [one.hypothesis.label for one in selection.tried]
+    assert len(set(labels)) == len(labels), "a set of effects is listed twice"
 
 
 def test_sets_of_effects_are_compared_without_what_held_out_windows_do_not_confirm() -> None:

@@ -105,8 +105,8 @@ def _selected(
     best, confirmed = most_likely(continuation, best, confirmed, [*singles, *others], tests)
     best, confirmed = without_dispensable(continuation, best, confirmed, tests)
     rivals = equivalent(continuation, best, [*singles, *others])
-    tried = [*singles, *(one for one in others if one is not best), best]
-    found = Selection(best, False, 0, rivals, tried, first, unidentifiable, confirmed)
+    tried = {one.hypothesis.label: one for one in (*singles, *others, best)}
+    found = Selection(best, False, 0, rivals, list(tried.values()), first, unidentifiable, confirmed)
     return weighted.run_set, continuation, found
 
 
