@@ -93,6 +93,7 @@ def test_labels_are_readable_and_have_their_thrusters() -> None:
             "to one of 3 effects: mass, wind or current",
         ),
         ("unexplained", {}, "not explained by any effect"),
+        ("unexplained", {"causes": [OFFSET]}, "explained in part by azimuth offset (bs)."),
     ],
 )
 def test_every_verdict_is_a_sentence(verdict: str, changes: dict[str, object], told: str) -> None:

@@ -57,7 +57,10 @@ from swamp_rl.html_page import document, image, minus, places_of, rounded, table
 PREDICTORS = ("seconds ahead", "boat file", "at rest", "constant velocity", "no thrust")
 SHARES = ("cause", "error, horizon", "without", "with", "share", "reduction (95 % interval)", "unit")
 CAUSES = ("effect", "description", "parameter", "value", "95 % interval", "unit", "boat file")
-CHI2 = "χ² is the sum of squared errors over the measurement noise's variance: 1 a sample for noise alone."
+CHI2 = (
+    "χ² is the sum of squared errors over the variance of the measurement noise, or of the model error where "
+    "effects are selected under it: 1 an independent sample for that noise or error alone."
+)
 
 
 def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
@@ -154,8 +157,8 @@ def causes_section(found: Diagnosis, run_set: RunSet) -> str:
         )
     if found.verdict == "unexplained":
         note += (
-            "<p>These explain a part of the model error. They may be substitutes for an effect that is not "
-            "in the library: do not take them for the cause.</p>"
+            "<p>These explain a part of the model error. Another part remains: each of them may be a "
+            "substitute for an effect that is not in the library.</p>"
         )
     shares = (
         "<p>What each accounts for: prediction errors on held-out runs without it, the others fitted anew, "
@@ -307,7 +310,12 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
         )
         for c in found.candidates
     ]
-    heads = ("hypothesis", "χ² a sample (noise alone: 1)", "reduction [χ²]", "95 % interval")
+    heads = (
+        "hypothesis",
+        "χ² an independent sample (noise or model error alone: 1)",
+        "reduction [χ²]",
+        "95 % interval",
+    )
     return (
         "<h2>Details</h2><p>Noise that the residuals are weighted by: in variance the sum of white "
         "measurement noise, estimated from third differences of the data, and of the error that the "

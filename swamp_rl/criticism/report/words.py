@@ -55,7 +55,9 @@ def headline(found: Diagnosis) -> str:
         if len(names) > 2:
             return f"The model error is not attributable to one of {len(names)} effects: {either(names)}."
         return f"The model error is not attributable to one effect: {' or '.join(names)}."
-    return "The model error is not explained by any effect of the library." + partly(found)
+    if found.causes:
+        return f"The model error is explained in part by {causes(found)}{instead(found)}."
+    return "The model error is not explained by any effect of the library."
 
 
 def either(names: Sequence[str]) -> str:
@@ -65,14 +67,11 @@ def either(names: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} or {names[-1]}"
 
 
-def partly(found: Diagnosis) -> str:
-    """The causes found in an unexplained model error, and their alternatives."""
-    if not found.causes:
-        return ""
+def instead(found: Diagnosis) -> str:
+    """The alternatives of the causes found in an unexplained model error."""
     others = [readable(name) for group in found.indistinguishable for name in group[1:]]
     which = others[0] if len(others) == 1 else f"one of {len(others)} others (see below)"
-    instead = f", or equally {which}" if others else ""
-    return f" Part of it is explained by {causes(found)}{instead}."
+    return f", or equally {which}" if others else ""
 
 
 def separates(found: Diagnosis) -> bool:
