@@ -95,7 +95,7 @@ def likeliest(problem: Shooting, hypothesis: FreeBoat, starts: Sequence[Array]) 
     for one in starts:
         states, _, residual = fit_states(problem, hypothesis, one, problem.initial_states(), STATE_ROUNDS)
         chi2 = float(losses(residual).sum()) + prior_penalty(hypothesis, one)
-        begun.append((chi2 if np.isfinite(chi2) else np.inf, one, states, residual))
+        begun.append((chi2, one, states, residual))
     return min(begun, key=lambda one: one[0])[1:]
 
 

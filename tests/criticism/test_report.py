@@ -273,6 +273,11 @@ def test_the_page_says_what_was_held_out_and_what_to_record() -> None:
     assert "The explanation with the lowest χ²" in causes_section(best, no_runs())
 
 
+def test_causes_without_a_share_on_held_out_runs_have_no_empty_table() -> None:
+    shown = causes_section(diagnosis("cause", causes=[LAG.model_copy(update={"share": []})]), no_runs())
+    assert "differs between runs has no share" in shown and "None." not in shown
+
+
 def no_runs() -> RunSet:
     """Of SWAMP, with nothing in them."""
     return RunSet(

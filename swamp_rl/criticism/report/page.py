@@ -162,9 +162,12 @@ def causes_section(found: Diagnosis, run_set: RunSet) -> str:
         )
     shares = (
         "<p>What each accounts for: prediction errors on held-out runs without it, the others fitted anew, "
-        "and with it. Shares need not add up to 100 %.</p>"
-        + table(SHARES, share_rows([*found.causes, *found.minor]), numbers=(2, 3, 4, 5))
+        "and with it. Shares need not add up to 100 %. A cause that differs between runs has no share on "
+        "runs that it was not fitted to.</p>"
     )
+    accounts = share_rows([*found.causes, *found.minor])
+    if accounts:
+        shares += table(SHARES, accounts, numbers=(2, 3, 4, 5))
     return f"<h2>{title}</h2>{note}" + table(CAUSES, rows, numbers=(3, 4, 6), unbroken=(2,)) + shares
 
 
