@@ -36,7 +36,8 @@ def test_an_error_lasts_as_long_as_its_autocorrelation_says() -> None:
     assert correlation_samples(np.zeros((2, 40, 6))) == 1.0
 
 
-def test_a_steady_wind_is_selected_under_gusts() -> None:
+def test_a_steady_wind_is_selected_under_gusts(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("INFO", logger="swamp_rl.criticism")
     found = simulated_runs(
         [
             {"effect": "wind", "speed": 6.0, "from": 1.0},
@@ -56,6 +57,7 @@ def test_a_steady_wind_is_selected_under_gusts() -> None:
     assert np.hypot(*selection.winner.x) == pytest.approx(6.0, rel=0.25)
     assert np.arctan2(*selection.winner.x[::-1]) == pytest.approx(1.0, abs=0.25)
     assert selection.confirmed["wind"].holds and not selection.adequate
+    assert "selection under model error" in caplog.text
     labels = [one.hypothesis.label for one in selection.tried]
     assert len(set(labels)) == len(labels), "a set of effects is listed twice"
 

@@ -91,6 +91,7 @@ def beam_search(
             tried[best.hypothesis.label] = continuation.at(0, best)
     hopeless = best.chi2 > options().exchange_hopeless * continuation.problems[MIDDLE].samples
     if best.hypothesis.instances and not hopeless and not enough:
+        LOG.info("exchanges of effects")
         exchanged = exchange_search(continuation, continuation.at(0, best), every)
         tried |= {one.hypothesis.label: continuation.at(0, one) for one in exchanged}
         best = min([best, *exchanged], key=criterion)

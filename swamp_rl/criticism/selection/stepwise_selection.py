@@ -15,6 +15,7 @@ from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, join
 from swamp_rl.criticism.nuisance.curve_errors import Marginal, beside_curve_errors
 from swamp_rl.criticism.nuisance.process_noise import ModelError, model_error
 from swamp_rl.criticism.options import options
+from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.selection.backward_elimination import Selection, nested, without
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.information_criterion import information_criterion
@@ -37,6 +38,7 @@ def select_under_model_error(
     no effect is confirmed there, it is what the boat file leaves in windows of `model_error_window`: weather
     is slow, and needs no other run if its likelihood ratio test finds it.
     """
+    LOG.info("selection under model error")
     every = [*instances, *([hull] if hull else [])]
     tests = RatioTests(run_set, weight, len(every))
     nothing = Hypothesis(), np.zeros(0)
