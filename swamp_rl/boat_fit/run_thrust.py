@@ -114,7 +114,7 @@ def run_thrusts(run_set: RunSet, boat: Boat) -> list[RunThrust]:
     def at_scale(scale: float) -> tuple[Array, Array]:
         """Loss of each run (R,) and initial states (W, 6) of all runs, with their thrust scaled alike."""
         states, _, residual = fit_states(problem, hypothesis, np.array([scale]), measured, STATE_ROUNDS)
-        return np.bincount(run, losses(residual), len(run_set.lengths)), states
+        return np.bincount(run, losses(residual), len(run_set.lengths)).astype(float), states
 
     tried, (none, _) = [at_scale(scale) for scale in SCALES], at_scale(0.0)
     found = []
