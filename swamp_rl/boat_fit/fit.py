@@ -26,6 +26,7 @@ from swamp_rl.criticism.nuisance.process_noise import (
 )
 from swamp_rl.errors import UserError
 from swamp_rl.simulator.reference import reference_of
+from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 
@@ -115,16 +116,23 @@ def sound_fit(
     """The fit from x (p,) and states (W, 6), its problem, and (W,) the windows that it keeps: those in which
     the boat of x and the boats a difference away from it do not diverge. Another window has no slopes; with
     it the fit would end where it is, without a covariance.
+
+    Where one diverges, half the simulator's step is tried first: a fit passes through boats that damp faster,
+    and states that are faster, than those of the runs, for which the longest stable step is shorter.
     """
     kept = np.ones(len(states), dtype=bool)
     while True:
         made = fit(problem, hypothesis, x, states, steps, fresh)
         information, gradient = made.normal.information, made.normal.gradient
         sound = np.asarray(np.isfinite(information).all(axis=(1, 2)) & np.isfinite(gradient).all(axis=1))
-        if sound.all() or not sound.any():
+        usual = substeps_of(problem.dt, problem.boat)
+        if not sound.all() and problem.substeps == usual:
+            problem = problem.integrated_in(2 * usual)
+        elif sound.all() or not sound.any():
             return problem, made, kept
-        kept[kept] = sound
-        problem, x, states = problem.part(sound), made.x, made.states[sound]
+        else:
+            kept[kept] = sound
+            problem, x, states = problem.part(sound), made.x, made.states[sound]
 
 
 def fit_boat(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> BoatFit:
@@ -154,15 +162,16 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
             f"boat {boat.name} diverges in every window of {seconds:.3g} s; check its masses and damping, "
             "or the units of the runs"
         )
-    trust, states = np.ones(int(sound.sum())), states[sound]
+    trust, states, substeps = np.ones(int(sound.sum())), states[sound], problem.substeps
 
     def fitted(
         sigma: Array, x: Array, states: Array, steps: int, fresh: bool = False
     ) -> tuple[Shooting, Fit]:
-        nonlocal sound, trust
+        nonlocal sound, trust, substeps
         problem = weighted(Shooting(run_set, seen / sigma, seconds).part(sound), trust)
+        problem = problem.integrated_in(substeps)
         problem, made, kept = sound_fit(problem, hypothesis, x, states, steps, fresh)
-        sound[sound], trust = kept, trust[kept]
+        sound[sound], trust, substeps = kept, trust[kept], problem.substeps
         return problem, made
 
     samples = correlation_samples(problem.windows.by_channel(residual[sound]))

@@ -17,6 +17,7 @@ from swamp_rl.boat_fit.report import next_runs, not_better
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
 from swamp_rl.errors import UserError
+from swamp_rl.simulator import parameters
 from tests.support.command_line import Call
 from tests.support.command_line import call as call  # the fixture
 from tests.support.from_scratch import written
@@ -151,11 +152,30 @@ def test_a_window_in_which_the_boat_diverges_does_not_end_the_fit(tmp_path: Path
     states[2, 5] = 1e8  # rad/s
 
     _, made, kept = sound_fit(problem, hypothesis, x, states, 3)
-    _, without, _ = sound_fit(problem.part(others), hypothesis, x, states[others], 3)
+    half = problem.part(others).integrated_in(2 * problem.substeps)
+    _, without, _ = sound_fit(half, hypothesis, x, states[others], 3)
 
     assert kept.tolist() == others.tolist()
     assert np.isfinite(made.covariance).all()
     assert (made.x != x).any() and made.chi2 == pytest.approx(without.chi2)
+
+
+def test_where_a_boat_damps_too_fast_for_the_simulators_step_the_fit_takes_half_of_it(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=1, seconds=60.0)
+    numbers = free_numbers(runs.boat)
+    hypothesis = free_boat(runs.boat, numbers, 0)
+    weight, x = weights(runs, noise_levels(runs)), hypothesis.start()
+    problem, begun = fit_windows(runs, weight, 5.0, hypothesis, x, 1)
+    record = parameters(runs.boat)[0]
+    inertia = float(record["inertia_z"] - record["added_inertia_yaw"])
+    damping = next(one for one in numbers if one.name == "effects.linear_yaw_damping.coefficient")
+    fast = 4.0 * inertia * problem.substeps / problem.dt  # Runge and Kutta are unstable from 2.8 on
+    x[numbers.index(damping)] = fast
+
+    half, made, kept = sound_fit(problem, hypothesis, x, begun.states, 3)
+
+    assert kept.all() and half.substeps == 2 * problem.substeps
+    assert np.isfinite(made.covariance).all()
 
 
 def test_a_fit_whose_covariance_is_infinite_keeps_its_noise(tmp_path: Path) -> None:

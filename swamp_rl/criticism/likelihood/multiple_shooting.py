@@ -173,6 +173,13 @@ class Shooting:
         made.plain_actuators = self.plain_actuators[chosen]
         return made
 
+    def integrated_in(self, substeps: int) -> "Shooting":
+        """The same windows, integrated in so many steps from row to row."""
+        made = copy(self)
+        made.substeps, made.last_slopes = substeps, []
+        made.tracks = None if self.tracks is None else {}
+        return made
+
     def with_commands(self, run_set: RunSet) -> "Shooting":
         """The same windows with the commands of other runs."""
         made = copy(self)
