@@ -78,6 +78,7 @@ def foreign_of(
     told: dict[str, Any] = dict(log.told) | _left_out(log, mapping, found, used)
     units = {column_of(name, mapping): unit for name, unit in mapping.units.items() if name in found}
     told |= {"units": units} if units else {}
+    told |= {"velocity_axes": "earth"} if {"vx", "velocity_north"} & found.keys() else {}
     times = [one.told for one in stamps.values() if one.told]
     told |= {"times": max(times, key=lambda one: PAST_MIDNIGHT in one)} if times else {}
     if len(used) == 1 and log.tables[used[0]].time is None:

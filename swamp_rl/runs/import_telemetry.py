@@ -88,8 +88,8 @@ def read_telemetry(
     if boat is not None:
         columns |= command_columns(_by_sender(modules, stamps[0] * 10**6 // ticks), time, boat)
     kept = {name: column for name, column in values.items() if name not in ("sender", "utc", "yaw")}
-    meta = RunMeta.model_validate({"utc_start": stamps[0] / ticks, "sender": int(words[chosen[0]][0])})
-    return Foreign(path.name, path.stem, Table(columns | kept, lines), meta)
+    told = {"utc_start": stamps[0] / ticks, "sender": int(words[chosen[0]][0]), "velocity_axes": "earth"}
+    return Foreign(path.name, path.stem, Table(columns | kept, lines), RunMeta.model_validate(told))
 
 
 def _by_sender(modules: list[list[int]], start: int) -> dict[int, Array]:

@@ -25,7 +25,8 @@ class RunMeta(BaseModel):
     `file` and `rows` are filled in by the writer. `initial_state`: SI values by column name, where the first
     row does not say it all. `disturbances`: a level's name, or a list of effects. `gates`: the instant [s] of
     the first row past each gate, in order. `outcome`: 'success', or what ended the run. `group`: day or place
-    of runs that share their weather.
+    of runs that share their weather. `velocity_axes`: `earth` where surge and sway were made of velocities to
+    north and east by the heading of their row, so that they have its error.
     """
 
     model_config = ConfigDict(extra="allow", frozen=True, strict=True)
@@ -38,6 +39,7 @@ class RunMeta(BaseModel):
     gates: list[Finite] | None = None
     outcome: str | None = None
     group: str | None = None
+    velocity_axes: Literal["boat", "earth"] | None = None
 
 
 OF_THE_START = ("seed", "initial_state", "gust_seed", "earlier_commands")

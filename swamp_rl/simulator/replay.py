@@ -59,9 +59,15 @@ def velocities_at(run: Run, rows: Sequence[int] | NDArray[np.int64]) -> Array:
     return found
 
 
+def velocities_of_earth(run: Run) -> bool:
+    """Whether a run's surge and sway were turned by its heading: at import, or in `velocities_at`."""
+    return run.meta.velocity_axes == "earth" or not all(name in run.columns for name in VELOCITIES)
+
+
 def start_of(run: Run, boat: Boat, params: NDArray[Any], commands: Array) -> Array:
     """(1, S) state at the run's first row; actuators as applied where recorded, else as commanded there."""
-    motion = true_motion(np.hstack([run.pose[:1], velocities_at(run, [0])]), params)
+    measured = np.hstack([run.pose[:1], velocities_at(run, [0])])
+    motion = true_motion(measured, params, of_earth=velocities_of_earth(run))
     state = initial_state(params, motion[:, :3], motion[:, 3:])
     for k, thruster in enumerate(boat.thrusters):
         for column, index in zip(thruster.command_columns, (k, len(boat.thrusters) + k), strict=True):
@@ -103,7 +109,8 @@ def replay(boat: Boat, run: Run, ignore: Sequence[str] = ()) -> Run:
     felt = held_on(weather, ahead)[None, :-1] if len(weather) else np.zeros((0, 0, 3))
     track = simulate_in_weather(params, tank(boat), start, held[None], felt, seeds, dt, substeps_of(dt, boat))
     rows = slice(len(run.time))
-    return run_of(track[0, rows], observe(track, params, dt)[0, rows], run.time, run, boat)
+    seen = observe(track, params, dt, of_earth=np.array([velocities_of_earth(run)]))[0, rows]
+    return run_of(track[0, rows], seen, run.time, run, boat)
 
 
 def held_on(rows: Array, more: int) -> Array:

@@ -14,7 +14,14 @@ from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.parameters import parameters, tank
-from swamp_rl.simulator.replay import fixed_thrusters, run_of, sample_step, start_of, velocities_at
+from swamp_rl.simulator.replay import (
+    fixed_thrusters,
+    run_of,
+    sample_step,
+    start_of,
+    velocities_at,
+    velocities_of_earth,
+)
 from swamp_rl.simulator.sensors import observe, true_motion
 from swamp_rl.simulator.state import YAW_RATE
 from swamp_rl.simulator.step import simulate_in_weather
@@ -63,7 +70,8 @@ def replay_restarted(boat: Boat, run: Run, seconds: float, ignore: Sequence[str]
     rows = rows[places[rows] < places[-1]]
     params = parameters(boat)
     measured = np.hstack([run.pose[rows], velocities_at(run, rows)])
-    motion = true_motion(measured, np.repeat(params, len(rows)), run.time[rows] - run.time[0])
+    of_earth = velocities_of_earth(run)
+    motion = true_motion(measured, np.repeat(params, len(rows)), run.time[rows] - run.time[0], of_earth)
     state = start_of(run, boat, params, commands)
     arrived = _arrived(commands, float(params["command_delay"][0]) / dt)
     prompt, curves, substeps = params.copy(), tank(boat), substeps_of(dt, boat)
@@ -77,7 +85,7 @@ def replay_restarted(boat: Boat, run: Run, seconds: float, ignore: Sequence[str]
         boats = prompt, curves, state, given, felt, seeds
         tracks.append(simulate_in_weather(*boats, dt, substeps)[0])
         state = tracks[-1][-1:].copy()
-    seen = [observe(track[None], params, dt)[0] for track in tracks]
+    seen = [observe(track[None], params, dt, of_earth=np.array([of_earth]))[0] for track in tracks]
     simulated = run_of(_joined(tracks), _joined(seen), whole.time, whole, boat)
     windows = np.searchsorted(limits[:-1], np.arange(len(whole.time)), side="right")
     simulated.columns[WINDOW] = windows.astype(float)

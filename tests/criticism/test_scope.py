@@ -23,6 +23,7 @@ from swamp_rl.criticism.model.candidates import (
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.report.words import spread_sets
 from swamp_rl.criticism.selection.backward_elimination import nested
+from swamp_rl.simulator.sensors import seen_from
 from tests.support.criticism import SECONDS, simulated_runs
 
 RUNS = simulated_runs([{"effect": "wind", "speed": 4.0, "from": 0.5}])
@@ -137,6 +138,21 @@ def test_waves_that_differ_between_runs_are_fitted_run_by_run() -> None:
         for name, value in zip(names, one, strict=True):
             number = found.groups[run][name]
             assert abs(number.value - value) < min(4.0 * number.standard_error, off[name]), (run, name)
+
+
+def test_a_bias_of_the_compass_fits_velocities_that_it_turned() -> None:
+    runs = simulated_runs([{"effect": "heading_bias", "bias": 0.1}])
+    bias = by_label(candidates(runs.boat, SECONDS))["heading_bias"]
+    measured = runs.measured.copy()
+    measured[..., 3:5] = seen_from(np.array(0.1), measured[..., 3], measured[..., 4])
+    turned = replace(runs, measured=measured, of_earth=(True, True, True))
+    chi2 = {}
+    for name, one in {"told": turned, "not told": replace(turned, of_earth=())}.items():
+        problem = Shooting(one, weights(one, noise_levels(one)), 5.0)
+        made = fit(problem, Hypothesis((bias,)), np.array([0.05]), problem.initial_states())
+        chi2[name] = made.chi2 / problem.samples, float(made.x[0])
+    assert chi2["told"] == (pytest.approx(1.0, abs=0.15), pytest.approx(0.1, abs=0.003))
+    assert chi2["not told"][0] > 1.5
 
 
 def test_days_are_groups_where_a_dataset_names_them() -> None:

@@ -97,5 +97,18 @@ def test_the_motion_behind_a_first_measurement_is_found_again() -> None:
     cos, sin = np.cos(run[0, HEADING]), np.sin(run[0, HEADING])
     ahead = DT * np.arange(30)[:, None] * [0.5 * cos - 0.1 * sin, 0.5 * sin + 0.1 * cos]
     straight[:, :2] += ahead
-    measured = observe(straight[None, :, :6], params, DT, np.array([7.0]))[0, :1]
-    assert true_motion(measured, params, 7.0) == pytest.approx(run[:1, :6], abs=1e-9)
+    for of_earth in (False, True):
+        measured = observe(straight[None, :, :6], params, DT, np.array([7.0]), np.array([of_earth]))[0, :1]
+        assert true_motion(measured, params, 7.0, of_earth) == pytest.approx(run[:1, :6], abs=1e-9)
+
+
+def test_velocities_in_axes_of_the_earth_are_turned_by_the_measured_heading() -> None:
+    run = track(lively(), velocity=(0.5, 0.1, 0.2))[None]
+    off = {"effect": "heading_bias", "bias": 0.1}
+    plain, biased = observe(run, record(), DT)[0], observe(run, record(off), DT, None, np.array([True]))[0]
+
+    def north_and_east(seen: np.ndarray) -> np.ndarray:
+        return (seen[:, SURGE] + 1j * seen[:, SWAY]) * np.exp(1j * seen[:, HEADING])
+
+    assert north_and_east(biased) == pytest.approx(north_and_east(plain), abs=1e-12)
+    assert np.abs(biased[:, SWAY] - plain[:, SWAY]).max() > 0.02

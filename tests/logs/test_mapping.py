@@ -123,15 +123,15 @@ def test_frames_quaternions_and_velocities(tmp_path: Path, boat: str, frame: str
     options = ["time=t", "x=px", "y=py", "qw=w", "qx=0", "qy=0", "qz=z", "vx=vx", "vy=vy", "r=gz"]
     (run,) = imported(path, boat, options, frame=frame)
     assert_is_the_run(run, ("north", "east", "heading", "surge", "sway", "yaw_rate"), 1e-9)
+    assert run.meta.velocity_axes == "earth"
 
 
-def two_tables(folder: Path, shift: float = 0.0, pause: bool = False) -> list[Path]:
-    """Places at 5 Hz and attitude at 20 Hz by a clock that is `shift` s late."""
+def two_tables(folder: Path, shift: float = 0.0, lost: tuple[int, ...] = ()) -> list[Path]:
+    """Places at 5 Hz and attitude at 20 Hz by a clock that is `shift` s late; lost: rows of the places."""
     slow, fast = weaving(rate=5.0), weaving(rate=20.0)
     late = (fast["time"] + shift).round(6)
-    drop = tuple(range(40, 60)) if pause else ()
     columns = {"t": slow["time"], "n": slow["north"], "e": slow["east"], "course": slow["heading"]}
-    gps = csv_of(folder / "gps.csv", {k: [repr(float(x)) for x in v] for k, v in columns.items()}, drop)
+    gps = csv_of(folder / "gps.csv", {k: [repr(float(x)) for x in v] for k, v in columns.items()}, lost)
     columns = {"t": late, "psi": np.degrees(fast["heading"]) + 350.0, "p": fast["throttle_port"]}
     columns["s"] = fast["throttle_starboard"]
     ahrs = csv_of(folder / "ahrs.csv", {k: [repr(float(x)) for x in v] for k, v in columns.items()})
@@ -247,7 +247,7 @@ def test_a_clock_of_quantities_that_differ_is_refused(tmp_path: Path, boat: str)
 
 
 def test_a_pause_of_a_table_is_a_bad_stretch_and_can_be_filled(tmp_path: Path, boat: str) -> None:
-    paths = two_tables(tmp_path, pause=True)
+    paths = two_tables(tmp_path, lost=tuple(range(40, 60)))
     with pytest.raises(UserError, match=r"gps has no value for 4\.2 s"):
         imported(paths, boat, JOINED, join="trip")
     runs = imported(paths, boat, JOINED, Wishes(bad_rows="split"), join="trip")

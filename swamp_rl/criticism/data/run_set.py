@@ -23,7 +23,7 @@ from swamp_rl.criticism.model.actuator_history import first_compared
 from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, inspect_dataset, refuse_faults
-from swamp_rl.simulator.replay import fixed_thrusters, sample_step
+from swamp_rl.simulator.replay import fixed_thrusters, sample_step, velocities_of_earth
 from swamp_rl.simulator.substeps import substeps_of
 from swamp_rl.simulator.weather import DEPTH, FIELDS, FROM, SPEED, measured_weather
 
@@ -72,7 +72,8 @@ class RunSet:
     where that was left out; origin: the run that each is a part of, itself where empty; days: the group
     that a dataset gives each run, or none; within: (R, T, parts, 2K) commands in the parts of each row
     less those of the row, None where these are held; instants: those by which the logged commands were
-    moved, None where they were not.
+    moved, None where they were not; of_earth: of each run, whether its surge and sway were turned by its
+    measured heading, none where empty.
     """
 
     boat: Boat
@@ -91,6 +92,7 @@ class RunSet:
     days: tuple[str, ...] = ()
     within: Array | None = None
     instants: Instants | None = None
+    of_earth: tuple[bool, ...] = ()
 
     @property
     def present(self) -> tuple[str, ...]:
@@ -149,6 +151,7 @@ class RunSet:
             too_short=(),
             days=(),
             within=self.within[runs] if self.within is not None else None,
+            of_earth=tuple(self.of_earth[run] for run in runs) if self.of_earth else (),
             instants=Instants(known.change[runs], known.shares[runs], known.cost) if known else None,
         )
 
@@ -254,7 +257,9 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
     tracks = [track[:, :3] for _, track, _ in placed]
     refuse_unexciting([command for command, _, _ in placed], tracks, dt, boat, folder)
     sailed = names, commands, measured, lengths, gaps
-    return RunSet(boat, dt, *sailed, too_short=short, weather=weather, ignored=ignored, days=days)
+    of_earth = tuple(velocities_of_earth(run) for run in runs)
+    told = RunSet(boat, dt, *sailed, too_short=short, weather=weather, ignored=ignored, days=days)
+    return replace(told, of_earth=of_earth)
 
 
 def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array, list[tuple[int, int]]]:

@@ -283,10 +283,12 @@ class Shooting:
         roll(*given, self.dt, self.substeps, parts, acceleration, block, track)
         if altered:
             each = np.tile(which, len(begun) // len(which))
+            of_earth = np.array(self.run_set.of_earth or (False,) * runs)[each % runs]
             boats = max(1, options().observed_rows // track.shape[1])
             sensors = sensors_of(records)
             for part in (slice(one, one + boats) for one in range(0, len(track), boats)):
-                track[part] = observe(track[part], sensors[each[part]], self.dt, begun[part, TIME])
+                seen = sensors[each[part]], self.dt, begun[part, TIME], of_earth[part]
+                track[part] = observe(track[part], *seen)
         return track[:, : win.rows].reshape(len(start), win.count, win.rows, 6)
 
     def track(self, hypothesis: Hypothesis, x: Array, states: Array) -> Array:

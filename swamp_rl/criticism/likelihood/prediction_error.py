@@ -102,9 +102,11 @@ class Restarts:
 
     def predict(self, hypothesis: Hypothesis, x: Array) -> Array:
         """(n, steps + 1, 6) what the sensors would say under x (p,)."""
-        origins = self.problem.run_set.origins[self.problem.windows.run]
-        records = hypothesis.records(self.problem.boat, x[None], runs=origins)
-        states = true_motion(self.states, records, np.asarray(self.first * self.problem.dt, dtype=float))
+        run_set, run = self.problem.run_set, self.problem.windows.run
+        records = hypothesis.records(self.problem.boat, x[None], runs=run_set.origins[run])
+        of_earth = np.array(run_set.of_earth)[run] if run_set.of_earth else False
+        time = np.asarray(self.first * self.problem.dt, dtype=float)
+        states = true_motion(self.states, records, time, of_earth)
         return self.problem.track(hypothesis, x, states)
 
 

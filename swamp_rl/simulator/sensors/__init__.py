@@ -6,8 +6,18 @@ from swamp_rl.simulator.sensors.observe import (
     is_altered,
     observe,
     rows_ahead,
+    seen_from,
     sensors_of,
     true_motion,
 )
 
-__all__ = ["CHANNELS", "add_noise", "is_altered", "observe", "rows_ahead", "sensors_of", "true_motion"]
+__all__ = [
+    "CHANNELS",
+    "add_noise",
+    "is_altered",
+    "observe",
+    "rows_ahead",
+    "seen_from",
+    "sensors_of",
+    "true_motion",
+]

@@ -18,13 +18,20 @@ CONSTANT = ("antenna_x", "antenna_y", "heading_bias", "gyro_bias")
 VARYING = ("position_delay", "clock_offset", "clock_drift", "heading_drift")
 
 
-def observe(track: Array, params: NDArray[Any], dt: float, began: Array | None = None) -> Array:
+def observe(
+    track: Array,
+    params: NDArray[Any],
+    dt: float,
+    began: Array | None = None,
+    of_earth: NDArray[np.bool_] | None = None,
+) -> Array:
     """Measured channels (n, T, 6), in the order of `CHANNELS`, of tracks (n, T, S) in rows of dt [s].
 
     params: (n,) parameter records, read for the sensors' effects. began: (n,) time [s] of the first rows, the
     states' own where not given. Positions are the antenna's, `lateness` before now, linear between rows and
     continued straight beyond the first and the last; velocities over ground are midship's, those of surge and
-    sway late by what the receiver's clock is. The heading is not wrapped.
+    sway late by what the receiver's clock is. The heading is not wrapped. of_earth: (n,) whether surge and
+    sway were measured in axes of the earth and turned by the measured heading, with its error.
     """
     measured = track[:, :, NORTH : YAW_RATE + 1].copy()
     at_midship = (params["antenna_x"] == 0.0) & (params["antenna_y"] == 0.0)
@@ -40,7 +47,16 @@ def observe(track: Array, params: NDArray[Any], dt: float, began: Array | None =
         measured[:, :, HEADING] += params["heading_drift"][:, None] * time
     measured[:, :, HEADING] += params["heading_bias"][:, None]
     measured[:, :, YAW_RATE] += params["gyro_bias"][:, None]
+    if of_earth is not None and of_earth.any():
+        error = (measured[:, :, HEADING] - track[:, :, HEADING]) * of_earth[:, None]
+        measured[:, :, SURGE : SWAY + 1] = seen_from(error, measured[:, :, SURGE], measured[:, :, SWAY])
     return measured
+
+
+def seen_from(angle: Array, ahead: Array, starboard: Array) -> Array:
+    """(..., 2) a vector ahead and to starboard in axes that are turned by an angle [rad] to starboard."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([ahead * cos + starboard * sin, starboard * cos - ahead * sin], axis=-1)
 
 
 def sensors_of(params: NDArray[Any]) -> NDArray[Any]:
@@ -131,14 +147,21 @@ def velocity_over_ground(states: Array) -> Array:
     )
 
 
-def true_motion(measured: Array, params: NDArray[Any], time: NDArray[Any] | float = 0.0) -> Array:
+def true_motion(
+    measured: Array,
+    params: NDArray[Any],
+    time: NDArray[Any] | float = 0.0,
+    of_earth: NDArray[np.bool_] | bool = False,
+) -> Array:
     """(n, 6) north, east [m], heading [rad], surge, sway [m/s] and yaw rate [rad/s] of midship from what was
-    measured of them (n, 6) at `time` [s], (n,) or one, of the run.
+    measured of them (n, 6) at `time` [s], (n,) or one, of the run; of_earth: (n,) or one, as of `observe`.
 
     The inverse of the first row of `observe`.
     """
     true = measured.copy()
-    true[:, HEADING] -= params["heading_bias"] + params["heading_drift"] * time
+    error = params["heading_bias"] + params["heading_drift"] * time
+    true[:, HEADING] -= error
+    true[:, SURGE : SWAY + 1] = seen_from(-error * of_earth, true[:, SURGE], true[:, SWAY])
     true[:, YAW_RATE] -= params["gyro_bias"]
     true[:, :2] -= antenna_offset(true[:, HEADING], params)
     late = params["position_delay"] + params["clock_offset"] + params["clock_drift"] * time
