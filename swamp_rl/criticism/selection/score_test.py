@@ -154,7 +154,7 @@ def _refined(added: _Added, found: float) -> float:
     left = part.residuals(part.predict(added.hypothesis, x, states))
     none = np.zeros((*at.residual[near].shape, 0))
     losses = [float(normal_equations(at.states_jacobian[near], none, r).profile_chi2.sum()) for r in left]
-    return float(times[int(np.argmin(losses))])
+    return float(times[int(np.argmin(np.nan_to_num(losses, nan=np.inf)))])  # NaN where the boat diverges
 
 
 def _best_grid_point(added: _Added) -> tuple[float, ...]:
