@@ -100,6 +100,7 @@ def pieces(run_set: RunSet, seconds: float | None = None) -> tuple[RunSet, NDArr
         ignored=ignored,
         origin=(),
         days=(),
+        of_earth=tuple(run_set.of_earth[run] for run, _, _ in rows) if run_set.of_earth else (),
     )
     return made, np.array([run for run, _, _ in rows])
 

@@ -211,10 +211,11 @@ def test_runs_of_which_every_third_is_short_are_held_out_by_length(tmp_path: Pat
     assert 0.2 < held / (held + data.training.lengths.sum()) < 0.5
 
 
-def test_a_wind_that_is_left_out_is_cut_with_its_run(tmp_path: Path) -> None:
+def test_a_wind_that_is_left_out_and_the_axes_are_cut_with_their_run(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=1)
     wind = np.random.default_rng(0).uniform(0.0, 5.0, (*runs.commands.shape[:2], 3))
-    data = split(replace(runs, ignored=wind))
+    data = split(replace(runs, ignored=wind, of_earth=(True,)))
+    assert data.training.of_earth == (True, True) and data.held_out.of_earth == (True,)
     first, held, last = data.training.ignored[0], data.held_out.ignored[0], data.training.ignored[1]
     ends = [first[: data.training.lengths[0]], last[: data.training.lengths[1]]]
     whole = np.concatenate([ends[0], ends[1], held[: data.held_out.lengths[0]]])
