@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
+from swamp_rl.angles import turned
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.estimate import causes_of
@@ -23,7 +24,6 @@ from swamp_rl.criticism.model.candidates import (
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.report.words import spread_sets
 from swamp_rl.criticism.selection.backward_elimination import nested
-from swamp_rl.simulator.sensors import seen_from
 from tests.support.criticism import SECONDS, simulated_runs
 
 RUNS = simulated_runs([{"effect": "wind", "speed": 4.0, "from": 0.5}])
@@ -144,10 +144,10 @@ def test_a_bias_of_the_compass_fits_velocities_that_it_turned() -> None:
     runs = simulated_runs([{"effect": "heading_bias", "bias": 0.1}])
     bias = by_label(candidates(runs.boat, SECONDS))["heading_bias"]
     measured = runs.measured.copy()
-    measured[..., 3:5] = seen_from(np.array(0.1), measured[..., 3], measured[..., 4])
-    turned = replace(runs, measured=measured, of_earth=(True, True, True))
+    measured[..., 3], measured[..., 4] = turned(measured[..., 3], measured[..., 4], np.array(-0.1))
+    biased = replace(runs, measured=measured, of_earth=(True, True, True))
     chi2 = {}
-    for name, one in {"told": turned, "not told": replace(turned, of_earth=())}.items():
+    for name, one in {"told": biased, "not told": replace(biased, of_earth=())}.items():
         problem = Shooting(one, weights(one, noise_levels(one)), 5.0)
         made = fit(problem, Hypothesis((bias,)), np.array([0.05]), problem.initial_states())
         chi2[name] = made.chi2 / problem.samples, float(made.x[0])

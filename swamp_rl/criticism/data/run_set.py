@@ -258,8 +258,16 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
     refuse_unexciting([command for command, _, _ in placed], tracks, dt, boat, folder)
     sailed = names, commands, measured, lengths, gaps
     of_earth = tuple(velocities_of_earth(run) for run in runs)
-    told = RunSet(boat, dt, *sailed, too_short=short, weather=weather, ignored=ignored, days=days)
-    return replace(told, of_earth=of_earth)
+    return RunSet(
+        boat,
+        dt,
+        *sailed,
+        too_short=short,
+        weather=weather,
+        ignored=ignored,
+        days=days,
+        of_earth=of_earth,
+    )
 
 
 def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array, list[tuple[int, int]]]:

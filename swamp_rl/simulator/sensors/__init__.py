@@ -6,7 +6,6 @@ from swamp_rl.simulator.sensors.observe import (
     is_altered,
     observe,
     rows_ahead,
-    seen_from,
     sensors_of,
     true_motion,
 )
@@ -17,7 +16,6 @@ __all__ = [
     "is_altered",
     "observe",
     "rows_ahead",
-    "seen_from",
     "sensors_of",
     "true_motion",
 ]

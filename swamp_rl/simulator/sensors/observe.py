@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import turned
 from swamp_rl.physics.compile import compiled
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, TIME, YAW_RATE
 
@@ -49,14 +50,10 @@ def observe(
     measured[:, :, YAW_RATE] += params["gyro_bias"][:, None]
     if of_earth is not None and of_earth.any():
         error = (measured[:, :, HEADING] - track[:, :, HEADING]) * of_earth[:, None]
-        measured[:, :, SURGE : SWAY + 1] = seen_from(error, measured[:, :, SURGE], measured[:, :, SWAY])
+        if error.any():
+            seen = turned(measured[:, :, SURGE], measured[:, :, SWAY], -error)
+            measured[:, :, SURGE], measured[:, :, SWAY] = seen
     return measured
-
-
-def seen_from(angle: Array, ahead: Array, starboard: Array) -> Array:
-    """(..., 2) a vector ahead and to starboard in axes that are turned by an angle [rad] to starboard."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.stack([ahead * cos + starboard * sin, starboard * cos - ahead * sin], axis=-1)
 
 
 def sensors_of(params: NDArray[Any]) -> NDArray[Any]:
@@ -161,7 +158,7 @@ def true_motion(
     true = measured.copy()
     error = params["heading_bias"] + params["heading_drift"] * time
     true[:, HEADING] -= error
-    true[:, SURGE : SWAY + 1] = seen_from(-error * of_earth, true[:, SURGE], true[:, SWAY])
+    true[:, SURGE], true[:, SWAY] = turned(true[:, SURGE], true[:, SWAY], error * of_earth)
     true[:, YAW_RATE] -= params["gyro_bias"]
     true[:, :2] -= antenna_offset(true[:, HEADING], params)
     late = params["position_delay"] + params["clock_offset"] + params["clock_drift"] * time
