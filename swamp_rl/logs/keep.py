@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from swamp_rl.errors import UserError
+from swamp_rl.runs.bad_rows import FEWEST_ROWS
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.schema import RunMeta, of_part
 
 KEEP = "keep"
 """Name in a mapping of what is not 0 in the rows to keep."""
-FEWEST_ROWS = 10
-"""Of a stretch that is kept, as of `--bad-rows split`."""
 
 
 def kept_parts(found: Foreign) -> list[Foreign]:
