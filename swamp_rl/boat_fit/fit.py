@@ -78,15 +78,14 @@ def fit_windows(
     hypothesis: FreeBoat,
     x: Array,
     steps: int = STEPS,
-    others: Sequence[Array] = (),
 ) -> tuple[Shooting, Fit]:
-    """The fit to windows of that length, from x (p,) or another start (p,) that is likelier.
+    """The fit to windows of that length, from x (p,).
 
     Its last Jacobian is taken at the solution: from a start file that is far off, steps along an earlier one
     end far from the optimum.
     """
     problem = Shooting(run_set, weight, seconds)
-    x, states, _ = likeliest(problem, hypothesis, (x, *others))
+    x, states, _ = likeliest(problem, hypothesis, (x,))
     return problem, fit(problem, hypothesis, x, states, steps, fresh=True)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted
-from swamp_rl.boat_fit.fit import fit_boat, fit_windows, lost_freedom, sound_fit
+from swamp_rl.boat_fit.fit import fit_boat, fit_windows, likeliest, lost_freedom, sound_fit
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import identify_boat, numbers_of
 from swamp_rl.boat_fit.numbers import free_numbers
@@ -16,6 +16,7 @@ from swamp_rl.boat_fit.pieces import split
 from swamp_rl.boat_fit.report import next_runs, not_better
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
+from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.errors import UserError
 from swamp_rl.simulator import parameters
 from tests.support.command_line import Call
@@ -136,8 +137,9 @@ def test_a_fit_ends_no_farther_from_the_runs_than_the_start_file_wherever_it_beg
     low, high = hypothesis.bounds()
     far = np.clip(start + 2.0 * sd, low, high)
     _, lost = fit_windows(runs, weight, 5.0, hypothesis, far, 1)
-    _, kept = fit_windows(runs, weight, 5.0, hypothesis, far, 1, (start,))
-    _, own = fit_windows(runs, weight, 5.0, hypothesis, start, 1)
+    problem, own = fit_windows(runs, weight, 5.0, hypothesis, start, 1)
+    x, states, _ = likeliest(problem, hypothesis, (far, start))
+    kept = fit(problem, hypothesis, x, states, 1, fresh=True)
     assert kept.chi2 == pytest.approx(own.chi2)
     assert own.chi2 < lost.chi2
 
