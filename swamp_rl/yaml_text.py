@@ -48,7 +48,14 @@ class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[mi
 
 
 class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[misc]
-    """The safe dumper, putting text that the loader would read as a number in quotes."""
+    """The safe dumper, putting text that the loader would read as a number in quotes, and a list of numbers
+    on one line.
+    """
+
+    def represent_sequence(self, tag: str, sequence: Any, flow_style: bool | None = None) -> yaml.Node:
+        """A list; flow_style: as in the base class, chosen by what it holds where None."""
+        numbers = all(type(item) in (int, float) for item in sequence)
+        return super().represent_sequence(tag, sequence, numbers if flow_style is None else flow_style)
 
 
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
