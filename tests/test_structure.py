@@ -37,7 +37,7 @@ FLOORS = (
     {"files", "arrays_file", "replacement", "tensors_file", "unfinished"},
     {"physics", "boat", "effects", "course"},
     {"runs", "simulator"},
-    {"logs", "doctor"},
+    {"boat_numbers", "doctor", "logs"},
     {"allocation", "energy", "guidance", "link", "navigation", "manoeuvres", "identification", "pilots"},
     {"link"},
     {"criticism", "design", "evaluation", "export"},

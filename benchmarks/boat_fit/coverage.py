@@ -22,7 +22,7 @@ from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat.quantity import SPREAD
 from swamp_rl.boat_fit.fit import fit_boat
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
-from swamp_rl.boat_fit.numbers import free_numbers
+from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet

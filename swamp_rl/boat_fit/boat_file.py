@@ -8,9 +8,9 @@ from typing import Any
 from swamp_rl.boat import Boat
 from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat.quantity import SPREAD
-from swamp_rl.boat_fit.number import Number
-from swamp_rl.boat_fit.numbers import free_numbers
-from swamp_rl.boat_fit.start_effects import in_numbers, lies_at
+from swamp_rl.boat_numbers.number import Number
+from swamp_rl.boat_numbers.numbers import free_numbers
+from swamp_rl.boat_numbers.start_effects import in_numbers, lies_at
 from swamp_rl.effects import LIBRARY
 from swamp_rl.effects.entries import entry_mapping
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.boat_fit.number import Number
-from swamp_rl.boat_fit.numbers import load_factor
+from swamp_rl.boat_numbers.number import Number
+from swamp_rl.boat_numbers.numbers import write_numbers
 from swamp_rl.criticism.model.candidates import (
     ONE_RUN,
     EffectInstance,
@@ -90,13 +90,7 @@ class FreeBoat(Hypothesis):
         record = parameters(boat) if plain is None else plain
         count = len(self.numbers)
         made = self.winds.records(boat, x[:, count:], record, runs)
-        by_drift = "x_0_ahead" in (made.dtype.names or ())  # its reference mass is the boat's own
-        for name in ("x_0_ahead", "x_0_astern") if by_drift else ():
-            made[name] *= load_factor(made)
-        for number, own in zip(self.numbers, x.T, strict=False):
-            number.write(made, np.repeat(own, len(runs)))
-        if by_drift:
-            made["reference_mass"] = made["mass"]
+        write_numbers(self.numbers, made, np.repeat(x[:, :count], len(runs), axis=0))
         return made
 
 

@@ -8,13 +8,10 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.fit import SHORT, BoatFit, long_fit, short_fit, window_length
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
-from swamp_rl.boat_fit.number import Number
-from swamp_rl.boat_fit.numbers import SATURATED, free_numbers
 from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of
@@ -31,6 +28,8 @@ from swamp_rl.boat_fit.run_thrust import (
     without,
 )
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
+from swamp_rl.boat_numbers.number import Number
+from swamp_rl.boat_numbers.numbers import SATURATED, free_numbers
 from swamp_rl.criticism.data.checks import refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights

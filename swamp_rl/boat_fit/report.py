@@ -8,10 +8,10 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.boat_file import Fitted
-from swamp_rl.boat_fit.numbers import SATURATED, free_numbers
 from swamp_rl.boat_fit.recent_thrust import past_seconds
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_thrust import RunThrust
+from swamp_rl.boat_numbers.numbers import SATURATED, free_numbers
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.report.evidence import TRIVIAL

@@ -10,8 +10,8 @@ from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.command_offset import command_offset
 from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
 from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
-from swamp_rl.boat_fit.numbers import free_numbers
 from swamp_rl.boat_fit.pieces import pieces
+from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.measurement_noise import weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.candidates import selectors

@@ -11,9 +11,9 @@ from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.fit import fit_boat, fit_windows, likeliest, lost_freedom, sound_fit
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import identify_boat, numbers_of
-from swamp_rl.boat_fit.numbers import free_numbers
 from swamp_rl.boat_fit.pieces import split
 from swamp_rl.boat_fit.report import next_runs, not_better
+from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
 from swamp_rl.criticism.likelihood.output_error import fit

@@ -8,9 +8,9 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit import identify
 from swamp_rl.boat_fit.hypothesis import free_boat
-from swamp_rl.boat_fit.numbers import free_numbers
 from swamp_rl.boat_fit.report import page_of, summary
 from swamp_rl.boat_fit.wiring import Wiring
+from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.runs import append_run, inspect_dataset
 from tests.support.from_scratch import written

@@ -11,9 +11,9 @@ from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.identify import supported
-from swamp_rl.boat_fit.number import Number
-from swamp_rl.boat_fit.numbers import free_numbers
 from swamp_rl.boat_fit.report import far_from_start, left_out, number_rows, start_sentence
+from swamp_rl.boat_numbers.number import Number
+from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.effects import LIBRARY
 from swamp_rl.files import write_yaml

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from swamp_rl.boat import Boat
-from swamp_rl.boat_fit.number import Number
+from swamp_rl.boat_numbers.number import Number
 from swamp_rl.effects import EffectEntry
 from swamp_rl.effects.apply import selected
 from swamp_rl.simulator import parameters

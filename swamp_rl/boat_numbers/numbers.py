@@ -1,8 +1,9 @@
 """The numbers of a boat file that a fit moves, each with its prior."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,8 @@ from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.boat.plausible import Limit, ranges
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.boat.screw import Linear, OpenWater
-from swamp_rl.boat_fit.number import Number
-from swamp_rl.boat_fit.start_effects import free_of_effects
+from swamp_rl.boat_numbers.number import Number
+from swamp_rl.boat_numbers.start_effects import free_of_effects
 from swamp_rl.effects import Reference
 from swamp_rl.effects.limits import LONGEST_DELAY
 from swamp_rl.simulator import parameters
@@ -106,6 +107,17 @@ def _resistance(boat: Boat, of: Reference) -> Iterable[Number]:
     yield _damping(boat, "linear_drag", 0.2 * of.damping, "N s/m", "coasting to a stop")
     yield _damping(boat, "linear_sway_damping", 0.15 * of.damping, "N s/m", "slow turns")
     yield _damping(boat, "linear_yaw_damping", 0.1 * of.yaw_damping, "N m s/rad", "slow turns on the spot")
+
+
+def write_numbers(numbers: Sequence[Number], made: NDArray[Any], x: Array) -> None:
+    """Put the numbers x (n, p) into records (n,) of the boat that they are of, in place."""
+    by_drift = "x_0_ahead" in (made.dtype.names or ())  # its reference mass is the boat's own
+    for name in ("x_0_ahead", "x_0_astern") if by_drift else ():
+        made[name] *= load_factor(made)
+    for number, own in zip(numbers, x.T, strict=True):
+        number.write(made, own)
+    if by_drift:
+        made["reference_mass"] = made["mass"]
 
 
 def load_factor(record: NDArray[np.void]) -> Array:
