@@ -7,9 +7,10 @@ import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import Gap, RunSet
+from swamp_rl.criticism.data.windows import cut
 from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.likelihood.initial_states import levels_and_slopes, smoothed_states
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, cut
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands

@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.data.windows import window_data
 from swamp_rl.criticism.likelihood.cross_validation import folds_of
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, window_data
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import (
     Fit,

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import Gap, RunSet
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, Windows, window_data
+from swamp_rl.criticism.data.windows import Windows, window_data
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
