@@ -13,6 +13,7 @@ NO_MOTION: Any = {
     "effects": True,
     "loading": True,
     "battery": True,
+    "covariance": True,
     "thrusters": {"__all__": {"power"}},
 }
 "Keys without an effect on the motion, and the effects, which are listed by their values."

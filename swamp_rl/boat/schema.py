@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Discriminator, Field, InstanceOf, PrivateAttr, Tag, model_validator
 
 from swamp_rl.boat.battery import Battery, Power, ShaftPower
+from swamp_rl.boat.covariance import Covariance
 from swamp_rl.boat.loading import Loading
 from swamp_rl.boat.part import (
     ANGLE,
@@ -358,6 +359,8 @@ class Boat(Part):
     "Draught over load; none where it is left out."
     battery: Battery | None = None
     "Packs, their limits and the hotel load; none where it is left out."
+    covariance: Covariance | None = None
+    "Errors of fitted numbers, as `swamp-rl identify boat` writes them."
     effects: tuple[InstanceOf[EffectEntry], ...] = ()
     "Departures from the file, see the catalogue."
     _provenance: dict[str, Provenance] = PrivateAttr(default_factory=dict)

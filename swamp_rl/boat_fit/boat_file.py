@@ -16,6 +16,7 @@ from swamp_rl.effects.entries import entry_mapping
 
 THRUST = "thrust_scale"  # effect on all thrusters
 DIGITS = 5  # significant, of a number in the file
+CORRELATION_DIGITS = 4  # after the point; errors of two numbers that scale alike nearly cancel
 SHOWN = (
     0.7  # of the prior's standard deviation, below which a standard error says that the data show a number
 )
@@ -23,11 +24,14 @@ SHOWN = (
 
 @dataclass(frozen=True)
 class Fitted:
-    """A number at its fit. x: as the fit moves it; sd: standard deviation of x."""
+    """A number at its fit. x: as the fit moves it; sd: standard deviation of x; jointly: row of the lower
+    triangle of the joint covariance of the numbers in their order, none: independent.
+    """
 
     number: Number
     x: float
     sd: float
+    jointly: tuple[float, ...] = ()
 
     @property
     def value(self) -> float:
@@ -81,7 +85,23 @@ def identified_mapping(
     _scale_thrust(made["effects"], level)
     if not made["effects"]:
         del made["effects"]
-    return made
+    made.pop("covariance", None)
+    return made | ({"covariance": _covariance(fitted, told_from)} if fitted else {})
+
+
+def _covariance(fitted: Sequence[Fitted], told_from: str) -> dict[str, Any]:
+    rows = [one.jointly or (*(0.0,) * i, one.sd**2) for i, one in enumerate(fitted)]
+    sd = [math.sqrt(row[-1]) for row in rows]
+    correlation = [
+        [round(value / (sd[i] * sd[k]), CORRELATION_DIGITS) for k, value in enumerate(row[:-1])]
+        for i, row in enumerate(rows)
+    ]
+    return {
+        "source": f"identified from {told_from}",
+        "numbers": [one.number.name for one in fitted],
+        "standard_errors": [_rounded(size) for size in sd],
+        "correlation": correlation,
+    }
 
 
 def _scale_thrust(effects: list[dict[str, Any]], level: float) -> None:

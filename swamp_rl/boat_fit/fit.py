@@ -59,6 +59,18 @@ class BoatFit:
     covariance: Array
     sigma: Array
 
+    @property
+    def joint_covariance(self) -> Array:
+        """(p, p) of x for what the numbers do together: the inverse of the information, times the geometric
+        mean of the ratios in which the sandwich's variances are larger.
+
+        The sandwich's covariances are of as many blocks as there are windows, hardly more than there are
+        numbers: their noise would undo what errors of several numbers cancel.
+        """
+        plain = self.fit.covariance
+        ratio = np.diag(self.covariance) / np.diag(plain)
+        return np.asarray(plain * np.exp(np.log(ratio).mean()))
+
 
 def window_length(boat: Boat) -> float:
     """Seconds of the windows of the last fit."""

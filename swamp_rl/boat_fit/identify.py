@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.fit import SHORT, BoatFit, long_fit, short_fit, window_length
@@ -207,7 +208,7 @@ def short_fitted(training: RunSet, wiring: Wiring, positions: bool = False) -> t
     run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x)
     LOG.info("fitting %d numbers to windows of %.3g s", len(numbers), SHORT)
     made = short_fit(run_set, weight, hypothesis, x)
-    found = _estimates(numbers, made.x, made.covariance)
+    found = _estimates(numbers, made.x, made.covariance, made.covariance)
     return replace(wiring, x=made.x[: len(found)]), found
 
 
@@ -242,13 +243,14 @@ def _begun(
 
 def numbers_of(made: BoatFit) -> list[Fitted]:
     """Value, standard error and prior of each number."""
-    return _estimates(made.hypothesis.numbers, made.fit.x, made.covariance)
+    return _estimates(made.hypothesis.numbers, made.fit.x, made.covariance, made.joint_covariance)
 
 
-def _estimates(numbers: Sequence[Number], x: Array, covariance: Array) -> list[Fitted]:
+def _estimates(numbers: Sequence[Number], x: Array, covariance: Array, joint: Array) -> list[Fitted]:
     found = []
     for i, number in enumerate(numbers):
-        found.append(Fitted(number, float(x[i]), min(float(np.sqrt(covariance[i, i])), number.sd)))
+        sd = min(float(np.sqrt(covariance[i, i])), number.sd)
+        found.append(Fitted(number, float(x[i]), sd, tuple(joint[i, : i + 1].tolist())))
     return found
 
 
