@@ -16,6 +16,7 @@ from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
+from swamp_rl.criticism.inference.boat_errors import beside_boat_errors
 from swamp_rl.criticism.inference.cause_share import (
     CauseList,
     Witness,
@@ -39,7 +40,7 @@ from swamp_rl.criticism.inference.unidentifiable import with_neutral_values
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.likelihood.prediction_error import gains, trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.extended_boat import write_extended
@@ -56,7 +57,7 @@ from swamp_rl.criticism.result import (
     Verdict,
 )
 from swamp_rl.criticism.selection.backward_elimination import Selection
-from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 from swamp_rl.criticism.selection.model_selection import prepared, select_model
 from swamp_rl.errors import UserError
 from swamp_rl.one_thread import one_thread
@@ -146,12 +147,13 @@ def examine(
     noise = {n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)}
     found = with_sufficient_special_cases(continuation, found, every, on, rng)
     found = with_neutral_values(continuation, found)
+    found, within = _beside_boat_errors(continuation, weight, found)
     judged = continuation.problem(found.stage, found.winner.hypothesis)
     measure = adequacy(judged, in_noise_units(found.winner, judged, weight))
 
     LOG.info("confirmation on held-out runs, prediction errors")
     written, shares, left_out = written_fit(continuation, found.winner, found.stage, witnesses(on, rng), rng)
-    listed = list_causes(judged, found, shares, left_out, noise)
+    listed = list_causes(judged, found, shares, left_out, noise, within)
     found = without_minor_rivals(found if listed.sound else replace(found, adequate=False), listed)
 
     extension = None
@@ -222,6 +224,29 @@ def _next_trial(
     except UserError as error:  # the diagnosis took minutes and stands without the trial
         LOG.info("%s", error)
         return None
+
+
+def _beside_boat_errors(
+    continuation: Continuation, weight: Array, found: Selection
+) -> tuple[Selection, frozenset[str]]:
+    """The selection if the boat file's numbers may be off by their errors, and the labels of the winner's
+    effects that these allow; as it is where the file has no `covariance`.
+
+    It is adequate then if what these leave is noise; a rival that differs by such effects alone is none.
+    """
+    if continuation.run_set.boat.covariance is None:
+        return found, frozenset()
+    problem = Shooting(continuation.run_set, weight, continuation.problems[MIDDLE].seconds)
+    kept, known = list[Fit](), list[set[str]]()
+    for one in (found.winner, *found.rivals):
+        at = fit(problem, one.hypothesis, one.x, problem.initial_states(), fresh=True)
+        beside = beside_boat_errors(problem, at)
+        beyond = {instance.label for instance in one.hypothesis.instances} - beside.within
+        if not kept:
+            within, adequate = beside.within, found.adequate or beside.adequate
+        if beyond not in known:
+            kept, known = [*kept, one], [*known, beyond]
+    return replace(found, rivals=kept[1:], adequate=adequate), within
 
 
 def verdict_of(found: Selection, listed: CauseList) -> Verdict:

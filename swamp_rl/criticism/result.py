@@ -97,7 +97,8 @@ class Cause(Part):
     distribution with the mean `parameters` and the standard deviation `spread`, of a vector by component.
     held_out: its confirmation, none for the hull's derivatives beside a cause. share: what it accounts for of
     the prediction error. carries_over: False where a position error on held-out runs is larger with it beyond
-    chance, in the fitted wind or in the measured one; it is not written then.
+    chance, in the fitted wind or in the measured one; it is not written then. within_boat_errors: whether it
+    is at its neutral values as far as the standard errors of the boat file's fitted numbers let tell.
     """
 
     effect: str
@@ -109,6 +110,7 @@ class Cause(Part):
     held_out: HeldOut | None = None
     share: list[Share] = []
     carries_over: bool = True
+    within_boat_errors: bool = False
 
     @property
     def label(self) -> str:
@@ -321,17 +323,17 @@ class Diagnosis(Part):
     """The diagnosis.
 
     predictors: the boat file against trivial predictors. causes: by their share of the prediction error, the
-    largest first. minor: causes whose share is below 2 % and below the sensors' noise, which the verdict
-    leaves out. hypotheses: how many sets of effects were fitted; discrete: those of them that have no
-    number, as a swap of channels. nuisance: the hull's linear derivatives where they had to be fitted beside
-    a cause; correlation: of the errors of the parameters of `causes`, then of `nuisance`, in their order;
-    extension: the force that no named effect explains; self_trial: how often the diagnosis finds its own
-    answer again, none where it was not asked; noise: standard deviation by channel (SI, rad); wandering:
-    Gauss-Markov part of the noise by channel; smoothed: channels that a filter smoothed; unseen: effects that
-    are not identifiable from the data; hidden: those that are, but not beside the model's own error;
-    missing_motion: what to record so that they would be; gain_on: the runs that the gain is measured
-    on: each in turn, its parameters from the others, other runs that were given, or the very run that the
-    parameters are from.
+    largest first. minor: causes whose share is below 2 % and below the sensors' noise, or that are within the
+    boat file's errors, which the verdict leaves out. hypotheses: how many sets of effects were fitted;
+    discrete: those of them that have no number, as a swap of channels. nuisance: the hull's linear
+    derivatives where they had to be fitted beside a cause; correlation: of the errors of the parameters of
+    `causes`, then of `nuisance`, in their order; extension: the force that no named effect explains;
+    self_trial: how often the diagnosis finds its own answer again, none where it was not asked; noise:
+    standard deviation by channel (SI, rad); wandering: Gauss-Markov part of the noise by channel; smoothed:
+    channels that a filter smoothed; unseen: effects that are not identifiable from the data; hidden: those
+    that are, but not beside the model's own error; missing_motion: what to record so that they would be;
+    gain_on: the runs that the gain is measured on: each in turn, its parameters from the others, other runs
+    that were given, or the very run that the parameters are from.
     """
 
     verdict: Verdict

@@ -7,7 +7,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.residual_force import Forces
 from swamp_rl.criticism.nuisance.force_functions import motion_variables
-from swamp_rl.criticism.report.evidence import smoothed_sentence
+from swamp_rl.criticism.report.evidence import minor_sentence, smoothed_sentence
 from swamp_rl.criticism.report.figures import DEGREES, labelled, shown_variables, thrusters_of_causes
 from swamp_rl.criticism.report.page import (
     causes_section,
@@ -209,6 +209,17 @@ def test_unidentifiable_effects_are_listed_with_their_thrusters() -> None:
 def test_a_boat_whose_causes_are_all_minor_is_not_called_without_any() -> None:
     assert "No model error is detectable" in headline(diagnosis("nothing_wrong"))
     assert "No model error matters" in headline(diagnosis("nothing_wrong", minor=[LAG]))
+
+
+def test_what_the_errors_of_the_boat_file_allow_is_told_apart_from_what_changes_no_prediction() -> None:
+    within = LAG.model_copy(update={"within_boat_errors": True})
+    both = diagnosis("cause", minor=[LAG, within.model_copy(update={"effect": "mass"})])
+    assert minor_sentence(both) == (
+        "Significant, but minor: azimuth lag (below 2 % of every prediction error and below the noise). "
+        "Within the standard errors of the boat file's fitted numbers: mass."
+    )
+    alone = diagnosis("nothing_wrong", minor=[within])
+    assert "may be an error of the boat file" in headline(alone) and "identify boat" in meaning(alone)
 
 
 def test_the_page_tells_effects_that_the_data_cannot_show_from_those_below_the_models_error() -> None:

@@ -1,7 +1,7 @@
 """What each cause accounts for: its share of the prediction error, whether it carries over, and the list."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -212,15 +212,18 @@ def list_causes(
     shares: Mapping[str, Sequence[Share]],
     left_out: Sequence[str],
     noise: Mapping[str, float],
+    within: Collection[str] = (),
 ) -> CauseList:
     """Every effect instance of the winner as a cause, a nuisance or a minor cause.
 
-    shares, left_out: of `written_fit`; noise: standard deviation by channel (SI, rad).
+    shares, left_out: of `written_fit`; noise: standard deviation by channel (SI, rad); within: labels of
+    effects within the boat file's errors.
     """
     every = causes_of(problem, found.winner)
     for cause in every:
         cause.share = list(shares.get(cause.label, []))
         cause.carries_over = cause.label not in left_out
+        cause.within_boat_errors = cause.label in within
         if one := found.confirmed.get(cause.label):
             cause.held_out = HeldOut(gain=one.gain, low=one.low, level=one.level)
     claimed = [
@@ -228,11 +231,15 @@ def list_causes(
         for cause in every
         if all(math.isfinite(one.value + one.standard_error) for one in cause.parameters.values())
     ]
+
+    def minor(cause: Cause) -> bool:
+        return cause.within_boat_errors or is_minor(cause.share, noise)
+
     alone = all(LIBRARY[cause.effect].nuisance for cause in claimed)
     named = [cause for cause in claimed if LIBRARY[cause.effect].nuisance == alone]
     return CauseList(
-        causes=sorted((one for one in named if not is_minor(one.share, noise)), key=_size, reverse=True),
-        minor=[one for one in named if is_minor(one.share, noise)],
+        causes=sorted((one for one in named if not minor(one)), key=_size, reverse=True),
+        minor=[one for one in named if minor(one)],
         nuisance=[cause for cause in claimed if LIBRARY[cause.effect].nuisance and not alone],
         sound=len(claimed) == len(every),
     )

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.constants import Z95
+from swamp_rl.criticism.inference.boat_errors import boat_file_covariance
 from swamp_rl.criticism.likelihood.cross_validation import folds_of, numbers_without
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, moved_together
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
@@ -14,6 +15,11 @@ Array = NDArray[np.float64]
 
 
 def sandwich_covariance(problem: Shooting, at: Fit) -> Array:
+    """(p, p) covariance of x: `covariance_of_data`, and that by errors of the boat file's fitted numbers."""
+    return covariance_of_data(problem, at) + boat_file_covariance(problem, at)
+
+
+def covariance_of_data(problem: Shooting, at: Fit) -> Array:
     """(p, p) sandwich covariance (Huber-White) of x, widened by Student's t for the number of its blocks;
     where weights are the model error's, to the variances between runs, and to the least that errors of the
     model's curves allow (Gauss-Markov theorem), where those are larger.

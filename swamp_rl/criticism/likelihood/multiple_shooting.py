@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from copy import copy
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.data.windows import Windows
+from swamp_rl.criticism.data.windows import Windows, cut
 from swamp_rl.criticism.likelihood.gauss_markov import kalman_filter
 from swamp_rl.criticism.likelihood.initial_states import smoothed_states
 from swamp_rl.criticism.model.actuator_history import actuator_states
@@ -20,7 +19,6 @@ from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.model.rollout import roll
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
-from swamp_rl.errors import UserError
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import is_altered, observe, rows_ahead, sensors_of
@@ -30,59 +28,6 @@ from swamp_rl.simulator.substeps import substeps_of
 Array = NDArray[np.float64]
 
 NO_ACCELERATION = np.zeros((0, 1, 3))
-
-
-def cut(run_set: RunSet, weight: Array, seconds: float, before: float | None = None) -> Windows:
-    """Windows of about `seconds` without overlap, inf: one window a run; simulated from `before` [s]
-    earlier.
-
-    A run is cut in a power of two, so that longer windows start where shorter ones do, and at every gap.
-    """
-    pad = math.ceil((options().pad if before is None else before) / run_set.dt)
-    shortest = math.ceil(options().shortest_window / run_set.dt)
-    rows: list[tuple[int, int, int]] = []
-    for run, length in enumerate(run_set.lengths):
-        transient = max(pad, int(run_set.first_compared[run]))
-        available = int(length) - transient
-        ratio = available * run_set.dt / seconds if math.isfinite(seconds) else 1.0
-        pieces = 2 ** max(0, round(math.log2(ratio)))
-        edges = np.linspace(transient, length, pieces + 1).round().astype(int)
-        lost = [(gap.row, gap.row + gap.rows) for gap in run_set.gaps if gap.run == run]
-        for a, b in pairwise(edges):
-            inside = [(g, h) for g, h in lost if g < b and h > a]
-            starts = [a, *(h for _, h in inside)]
-            ends = [*(g for g, _ in inside), b]
-            rows += [
-                (run, s - pad, e - 1 - (s - pad))
-                for s, e in zip(starts, ends, strict=True)
-                if e - s >= min(shortest, b - a)
-            ]
-    if not rows:
-        raise UserError(
-            f"runs {', '.join(run_set.names)}: commands change over lost rows so often that no "
-            f"{options().shortest_window:g} s between them can be compared; record every row"
-        )
-    run_of, first, steps = (np.array(column) for column in zip(*rows, strict=True))
-    measured, weights = window_data(run_set, weight, run_of, first, steps, pad)
-    return Windows(run_of, first, steps, measured, weights, pad, int(steps.max()) + 1)
-
-
-def window_data(
-    run_set: RunSet,
-    weight: Array,
-    run: NDArray[np.int64],
-    first: NDArray[np.int64],
-    steps: NDArray[np.int64],
-    pad: int,
-) -> tuple[Array, Array]:
-    """Measured and weight (W, rows, 6) of windows; the first `pad` rows are only simulated."""
-    measured = np.zeros((len(run), int(steps.max()) + 1, 6))
-    weights = np.zeros_like(measured)
-    for w, (its_run, start, count) in enumerate(zip(run, first, steps, strict=True)):
-        part = slice(start + pad, start + count + 1)
-        measured[w, pad : count + 1] = run_set.measured[its_run, part]
-        weights[w, pad : count + 1] = weight[its_run, part]
-    return np.nan_to_num(measured), weights
 
 
 def moved_together(hypothesis: Hypothesis) -> list[tuple[NDArray[np.int64], EffectInstance]]:
@@ -182,9 +127,16 @@ class Shooting:
 
     def with_commands(self, run_set: RunSet) -> "Shooting":
         """The same windows with the commands of other runs."""
+        return self._simulated_anew(run_set, self.record)
+
+    def of_record(self, record: NDArray[Any]) -> "Shooting":
+        """The same windows with the parameter record (1,) of another boat file."""
+        return self._simulated_anew(self.run_set, record)
+
+    def _simulated_anew(self, run_set: RunSet, record: NDArray[Any]) -> "Shooting":
         made = copy(self)
-        made.run_set, made.histories, made.last_records, made.last_slopes = run_set, {}, [], []
-        made.tracks = {}
+        made.run_set, made.record = run_set, record
+        made.tracks, made.histories, made.last_records, made.last_slopes = {}, {}, [], []
         made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
         return made
 

@@ -66,11 +66,15 @@ def carry_over_sentence(found: Diagnosis) -> str:
 
 
 def minor_sentence(found: Diagnosis) -> str:
-    """The minor causes."""
-    if not found.minor:
-        return ""
-    names = readable(" + ".join(cause.label for cause in found.minor))
-    return f"Significant, but minor: {names} (below 2 % of every prediction error and below the noise)."
+    """The minor causes, by why they are."""
+    parts = []
+    for within, text in (
+        (False, "Significant, but minor: {} (below 2 % of every prediction error and below the noise)."),
+        (True, "Within the standard errors of the boat file's fitted numbers: {}."),
+    ):
+        labels = [cause.label for cause in found.minor if cause.within_boat_errors == within]
+        parts += [text.format(readable(" + ".join(labels)))] if labels else []
+    return " ".join(parts)
 
 
 def smoothed_sentence(found: Diagnosis) -> str:

@@ -44,6 +44,8 @@ def is_extended(found: Diagnosis) -> bool:
 def headline(found: Diagnosis) -> str:
     """The verdict as one sentence."""
     if found.verdict == "nothing_wrong":
+        if any(cause.within_boat_errors for cause in found.minor):
+            return "No model error matters: what is found may be an error of the boat file's fitted numbers."
         if found.minor:
             return "No model error matters: what is significant changes no prediction."
         return "No model error is detectable: the residuals are measurement noise."
@@ -94,6 +96,11 @@ def separating_sentence(found: Diagnosis) -> str:
 def meaning(found: Diagnosis) -> str:
     """The meaning of the verdict, and what may be done with it."""
     if found.verdict == "nothing_wrong":
+        if any(cause.within_boat_errors for cause in found.minor):
+            return (
+                "The boat file's standard errors allow for the difference. To reduce them, fit the boat file "
+                "to these runs as well (swamp-rl identify boat)."
+            )
         if found.minor:
             return "Without causes that change no prediction, the boat file needs no addition."
         return (
