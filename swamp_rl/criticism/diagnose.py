@@ -240,7 +240,7 @@ def _beside_boat_errors(
     kept, known = list[Fit](), list[set[str]]()
     for one in (found.winner, *found.rivals):
         at = fit(problem, one.hypothesis, one.x, problem.initial_states(), fresh=True)
-        beside = beside_boat_errors(problem, at)
+        beside = beside_boat_errors(problem, at, continuation.criterion.required_gain)
         beyond = {instance.label for instance in one.hypothesis.instances} - beside.within
         if not kept:
             within, adequate = beside.within, found.adequate or beside.adequate

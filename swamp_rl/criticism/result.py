@@ -97,8 +97,8 @@ class Cause(Part):
     distribution with the mean `parameters` and the standard deviation `spread`, of a vector by component.
     held_out: its confirmation, none for the hull's derivatives beside a cause. share: what it accounts for of
     the prediction error. carries_over: False where a position error on held-out runs is larger with it beyond
-    chance, in the fitted wind or in the measured one; it is not written then. within_boat_errors: whether it
-    is at its neutral values as far as the standard errors of the boat file's fitted numbers let tell.
+    chance, in the fitted wind or in the measured one; it is not written then. within_boat_errors: whether
+    errors of the boat file's fitted numbers, as large as its `covariance` allows, may stand for it.
     """
 
     effect: str

@@ -15,7 +15,7 @@ from swamp_rl.criticism.inference.sandwich_covariance import covariance_of_data,
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, by_label, candidates
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from tests.support.criticism import SECONDS, simulated_runs
 
@@ -36,6 +36,11 @@ def with_errors(boat: Boat, correlation: float = 0.0, **errors: float) -> Boat:
         correlation=rows,
     )
     return boat.model_copy(update={"covariance": known})
+
+
+def required(others: Hypothesis, own: EffectInstance) -> float:
+    """As for an effect that was sought."""
+    return 4.0
 
 
 def fitted(runs: RunSet) -> tuple[Shooting, Fit]:
@@ -76,7 +81,7 @@ def test_an_effect_within_the_errors_of_the_boat_file_is_no_cause() -> None:
     for share, minor in ((0.01, False), (0.2, True)):
         errors = {name: share * size for name, size in zip(names, curve, strict=True)}
         problem, at = fitted(replace(RUNS, boat=with_errors(RUNS.boat, 1.0, **errors)))
-        beside = beside_boat_errors(problem, at)
+        beside = beside_boat_errors(problem, at, required)
         found = list_causes(problem, Selection(at, True, 1, [], [], [], []), {}, [], {}, beside.within)
         assert beside.adequate and bool(found.minor) is minor is not bool(found.causes)
         assert all(one.within_boat_errors for one in found.minor)
@@ -94,4 +99,4 @@ def test_runs_that_the_errors_of_the_boat_file_explain_leave_noise() -> None:
         problem = Shooting(replace(RUNS, boat=boat), weights(RUNS, noise_levels(RUNS)), 3.0)
         at = fit(problem, nothing, np.zeros(0), problem.initial_states())
         assert not adequacy(problem, at).adequate
-        assert beside_boat_errors(problem, at).adequate is enough
+        assert beside_boat_errors(problem, at, required).adequate is enough

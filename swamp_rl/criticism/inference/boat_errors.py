@@ -1,5 +1,6 @@
 """Errors of the boat file's own fitted numbers: in a fit's parameters, and in what it leaves of the runs."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import Normal, normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.score_test import neutral_start
 
@@ -39,17 +41,20 @@ def boat_file_covariance(problem: Shooting, at: Fit) -> Array:
 class BesideErrors:
     """What is left of a fit if the boat file's numbers may be off by their errors.
 
-    within: labels of its effects that are at their neutral values as far as these errors let tell; adequate:
-    whether the rest is noise, at errors that are not improbable.
+    within: labels of its effects that these errors may stand for; adequate: whether the rest is noise, at
+    errors that are not improbable.
     """
 
     within: frozenset[str]
     adequate: bool
 
 
-def beside_boat_errors(problem: Shooting, at: Fit) -> BesideErrors:
+def beside_boat_errors(
+    problem: Shooting, at: Fit, required_gain: Callable[[Hypothesis, EffectInstance], float]
+) -> BesideErrors:
     """The fit and the principal components of the boat file's errors, with their standard normal prior, in
-    one step of Gauss-Newton; the effects are judged by Wald's test.
+    one step of Gauss-Newton. An effect is within the errors if chi2 rises by less without it (Wald) than the
+    search requires, `required_gain` of the other effects and it.
     """
     from scipy.special import chdtri
 
@@ -68,8 +73,9 @@ def beside_boat_errors(problem: Shooting, at: Fit) -> BesideErrors:
     for instance, x in at.hypothesis.parts(at.x + step[:count]):
         own = np.flatnonzero(at.hypothesis.columns(instance.label))
         away = x - np.array(neutral_start(instance, problem.boat) * instance.count)
-        distance = away @ inverse(covariance[np.ix_(own, own)]) @ away
-        if instance.size and distance < chdtri(instance.size, 2.0 * options().tail):
+        rise = away @ inverse(covariance[np.ix_(own, own)]) @ away
+        others = Hypothesis(tuple(one for one in at.hypothesis.instances if one is not instance))
+        if instance.size and rise < required_gain(others, instance):
             within.add(instance.label)
     errors = step[count:]
     probable = errors @ errors < chdtri(len(errors), options().tail)
