@@ -8,11 +8,12 @@ from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error
 from swamp_rl.json_text import model_in, parsed_json
+from swamp_rl.names import YAML
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import MOST_JSON, contents
+from swamp_rl.runs.describe import is_table
 
 RESULT, INPUT = "diagnosis.json", "fleet_input.json"
-SOURCES = (".csv", ".parquet", ".yaml")
 
 
 @one_thread()
@@ -40,12 +41,17 @@ def input_of(
     of the dataset's files and of the boat's `numbers` (`boat_digest`, empty for the dataset's own).
     """
     digest = hashlib.sha256()
-    files = [path for path in sorted(dataset.rglob("*")) if path.suffix in SOURCES and path.is_file()]
+    files = [path for path in sorted(dataset.iterdir()) if _is_source(path) and path.is_file()]
     for path in files:
-        digest.update(str(path.relative_to(dataset)).encode() + b"\0")
+        digest.update(path.name.encode() + b"\0")
         digest.update(hashlib.sha256(contents(path)).digest())
     digest.update(numbers.encode())
     return {"boat": boat, "ignore": sorted(ignore), "files": digest.hexdigest(), "swamp_rl": version}
+
+
+def _is_source(path: Path) -> bool:
+    """Whether a file is one of a dataset that may be read: a run, or a description, by its name."""
+    return is_table(path) or path.suffix.lower() in YAML
 
 
 def is_done(out: Path, given: dict[str, object]) -> bool:
