@@ -21,7 +21,7 @@ from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import UNLIMITED, TrialLimits, rows_within, trial_limits
 from swamp_rl.criticism.options import using
-from swamp_rl.criticism.report.next_trial import draw_next_trial
+from swamp_rl.criticism.report.next_trial import draw_next_trial, next_trial_sentences
 from swamp_rl.criticism.result import Narrowed, NextTrial
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.errors import UserError
@@ -33,6 +33,16 @@ from tests.support.new_boats import new_boat
 
 BOAT = load_boat("swamp")
 ZIG_ZAG = manoeuvres(BOAT, DT, SECONDS)["zig-zag, 80 %"]
+TOLD: dict[str, Any] = {
+    "file": "next_trial.csv",
+    "duration_s": 2.0,
+    "hold_s": 1.0,
+    "area_m": (20.0, 20.0),
+    "start_m": (1.0, 1.0),
+    "top_speed": 1.0,
+    "evidence": 1.0,
+    "of_list": [],
+}
 TRUTHS = {"thrust_scale": ("scale", 0.9), "resistance": ("scale", 1.2)}
 
 
@@ -261,19 +271,14 @@ def test_the_figure_has_angles_only_of_thrusters_that_turn(
 ) -> None:
     boat = BOAT if turns else new_boat(tmp_path, "twin-fixed")
     commands = np.zeros((20, 2 * len(boat.thrusters)))
-    told = NextTrial(
-        file="next_trial.csv",
-        duration_s=2.0,
-        hold_s=1.0,
-        area_m=(20.0, 20.0),
-        start_m=(1.0, 1.0),
-        top_speed=1.0,
-        evidence=1.0,
-        separates=[],
-        narrows=None,
-        of_list=[],
-    )
+    told = NextTrial(**TOLD)
     drawn: list[str] = []
     monkeypatch.setattr(Figure, "savefig", lambda self, _: drawn.extend(a.get_ylabel() for a in self.axes))
     draw_next_trial(tmp_path / "a.png", Designed(told, commands, ("mass",), np.zeros((1, 20, 6))), boat, 0.1)
     assert drawn == ["north [m]", *panels]
+
+
+def test_a_standard_error_of_noise_free_runs_is_told_with_its_digits() -> None:
+    narrows = Narrowed(effect="mass", parameter="mass", unit="kg", before=1.234e-6, after=1.16e-7)
+    said = next_trial_sentences(NextTrial(**TOLD, narrows=narrows))
+    assert "a standard error of 1.2e-07 kg expected, 1.2e-06 kg now" in said[1]

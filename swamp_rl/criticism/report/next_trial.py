@@ -11,8 +11,9 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.inference.next_trial import Designed
 from swamp_rl.criticism.report.words import manoeuvre_words, readable
 from swamp_rl.criticism.result import Diagnosis, NextTrial
+from swamp_rl.digits import digits
 from swamp_rl.figure_style import sheet
-from swamp_rl.html_page import image, rounded, table
+from swamp_rl.html_page import image, table
 
 LISTED = 3  # fixed manoeuvres beside the trial
 
@@ -34,10 +35,10 @@ def next_trial_sentences(trial: NextTrial) -> list[str]:
         )
     if one := trial.narrows:
         unit = f" {one.unit}" if one.unit != "1" else ""
-        now = f"{rounded(one.before)}{unit} now" if one.identifiable else "not determined now"
+        now = f"{digits(one.before, 2)}{unit} now" if one.identifiable else "not determined now"
         said.append(
             f"narrows {one.parameter.replace('_', ' ')} of {readable(one.effect)}: a standard error of "
-            f"{rounded(one.after)}{unit} expected, {now}"
+            f"{digits(one.after, 2)}{unit} expected, {now}"
         )
     if trial.of_list and trial.of_list[0].evidence > 0.0:
         best = trial.of_list[0]
