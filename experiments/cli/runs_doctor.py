@@ -1,5 +1,6 @@
 """`swamp-rl runs doctor`: plausibility checks of recorded runs before they are used."""
 
+import shlex
 from typing import Annotated
 
 import typer
@@ -41,7 +42,8 @@ def doctor(
         for line in records.faults[:20]:
             typer.echo(f"format: {line}")
         if len(records.faults) > 20:
-            typer.echo(f"format: and {len(records.faults) - 20} more (swamp-rl runs check {folder})")
+            quoted = shlex.quote(str(folder))
+            typer.echo(f"format: and {len(records.faults) - 20} more (swamp-rl runs check {quoted})")
         without = (
             ""
             if records.boat

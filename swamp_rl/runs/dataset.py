@@ -1,6 +1,7 @@
 """A dataset: a folder of runs, and the `dataset.yaml` that describes them or what is worked out for it."""
 
 import os
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -112,11 +113,12 @@ def refuse_faults(folder: Path, faults: Sequence[Fault]) -> None:
     """UserError with the first fault of a dataset and what lists the others, if there is one."""
     if not faults:
         return
+    quoted = shlex.quote(str(folder))
     lacking = {fault.column for fault in faults if fault.message.startswith(MISSING)}
     if not (folder / META).exists() and len(lacking) > 1:
-        hint = f" (a log of another program: swamp-rl runs import {folder} --list)"
+        hint = f" (a log of another program: swamp-rl runs import {quoted} --list)"
     else:
-        hint = f" (and {len(faults) - 1} more: swamp-rl runs check {folder})" if len(faults) > 1 else ""
+        hint = f" (and {len(faults) - 1} more: swamp-rl runs check {quoted})" if len(faults) > 1 else ""
     raise UserError(f"{folder}{os.sep}{faults[0]}{hint}")
 
 

@@ -157,3 +157,14 @@ def test_a_file_that_the_disk_refuses_while_it_is_copied_is_one_line(
     with pytest.raises(UserError, match=r"\.yaml: Permission denied"):
         create_dataset(tmp_path / "runs", described(vehicle=str(boat)))
     assert not (tmp_path / "runs").exists()
+
+
+@pytest.mark.parametrize(("rows", "verb"), [("time\n0\n", "import"), ("time,north\n0,x\n", "check")])
+def test_a_command_in_a_hint_can_be_typed_as_it_stands(tmp_path: Path, rows: str, verb: str) -> None:
+    folder = plain(tmp_path / "Messfahrt am See")
+    next(folder.glob("*.csv")).write_text(rows)
+    if verb == "check":
+        (folder / "dataset.yaml").write_text("vehicle: swamp\n")
+    with pytest.raises(UserError) as told:
+        read_dataset(folder, "swamp")
+    assert f"swamp-rl runs {verb} '{folder}'" in str(told.value)
