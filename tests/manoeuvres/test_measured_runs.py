@@ -10,12 +10,25 @@ from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.motion import motion_of
+from swamp_rl.manoeuvres.analysis.pairs import pairs
 from swamp_rl.manoeuvres.spiral import spiral_angles
 from swamp_rl.runs import Run, RunMeta
 
 BOAT = load_boat("swamp")
 DT, HELD = 0.1, 40  # s; rows of a step of a spiral
 ANGLES = np.array(spiral_angles(0.35))
+
+CIRCLE, MARK = {"kind": "turning-circle"}, {"time": 1.0, "phase": "step", "number": 1, "angle": 0.4}
+WRONG_SETTINGS = [
+    (CIRCLE | {"angle": 35.0}, "manoeuvre: angle: must be a number from -6.28 to 6.28, not 35"),
+    (CIRCLE | {"angle": math.nan}, "manoeuvre: angle: must be a number"),
+    (CIRCLE | {"angle": "port"}, "manoeuvre: angle: must be a number"),
+    (CIRCLE | {"heading": [0.3]}, "manoeuvre: heading: must be a number"),
+    (CIRCLE | {"throttle": 60}, "manoeuvre: throttle: must be a number from -1 to 1, not 60"),
+    (CIRCLE | {"turns": math.inf}, "manoeuvre: turns: must be a finite number"),
+    (CIRCLE | {"more": [math.nan]}, "manoeuvre: more: must be a number, a text"),
+]
+WRONG_MARKS = [{"number": math.inf}, {"angle": 35.0}, {"time": math.nan}, {"time": "late"}]
 
 
 def turning(yaw_rate: Any, surge: Any = 0.8, **told: Any) -> Run:
@@ -99,8 +112,20 @@ def test_a_zig_zag_that_begins_in_a_turn_has_no_initial_turning() -> None:
         (turning([0.2]), r"run r: has 1 row\(s\)"),
         (turning(np.full(600, 0.2), notes="windy"), "run r: notes must be a list, not 'windy'"),
         (turning(np.full(600, 0.2), manoeuvre="spiral", marks=3), "run r: marks must be a list, not 3"),
+        *((turning(np.full(600, 0.2), manoeuvre=told), said) for told, said in WRONG_SETTINGS),
+        *(
+            (turning(np.full(600, 0.2), manoeuvre="spiral", marks=[MARK | wrong]), "run r: marks must be")
+            for wrong in WRONG_MARKS
+        ),
     ],
 )
 def test_what_is_no_manoeuvre_is_refused_in_one_line(run: Run, message: str) -> None:
     with pytest.raises(UserError, match=message):
         analyse_run(run, BOAT)
+
+
+def test_a_told_manoeuvre_whose_phases_no_mark_names_has_no_figures_and_no_pair() -> None:
+    run = turning(np.full(600, 0.2), manoeuvre=CIRCLE | {"angle": 0.4}, marks=[MARK | {"phase": "execute"}])
+    result = analyse_run(run, BOAT)
+    assert result.notes == ["no phase 'turning' among its marks: no figures"]
+    assert pairs([result, result], BOAT.length) == []

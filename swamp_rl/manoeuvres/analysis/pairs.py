@@ -39,7 +39,8 @@ def pairs(results: Sequence[Result], length: float) -> list[Pair]:
 
 
 def _turned(result: Result) -> bool:
-    return result.kind == "turning-circle" and math.isfinite(result.best["steady_diameter"].value)
+    diameter = result.best.get("steady_diameter")
+    return result.kind == "turning-circle" and diameter is not None and math.isfinite(diameter.value)
 
 
 def _key(result: Result) -> tuple[float, float, str]:

@@ -19,6 +19,7 @@ WAY = 0.5  # of the median speed, that a boat must make for an order to count
 HELD = 0.5  # s that an order is held at least
 REVERSALS = 3  # of the steering that make a zig-zag
 TURNED = math.pi / 2  # of heading that makes a turning circle
+LARGEST = {"angle": math.tau, "heading": math.tau, "throttle": 1.0}  # numbers of a setting [rad, rad, 1]
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,7 @@ def recognised(meta: RunMeta, motion: Motion, name: str) -> Recognised:
 
     dataset.yaml may tell `manoeuvre`, a kind or a mapping with a key `kind`, and `marks`.
     """
-    told = (meta.model_extra or {}).get("manoeuvre")
-    setting = told if isinstance(told, dict) else {"kind": told} if told else {}
+    setting = _setting(meta, name)
     kind = setting.get("kind")
     if kind is not None and kind not in get_args(Kind):
         raise UserError(f"run {name}: manoeuvre {kind!r} is none of {', '.join(get_args(Kind))}; correct it")
@@ -64,6 +64,25 @@ def recognised(meta: RunMeta, motion: Motion, name: str) -> Recognised:
     return Recognised(found.kind, found.setting | setting, found.marks)
 
 
+def _setting(meta: RunMeta, name: str) -> dict[str, Any]:
+    """What the meta of the run `name` tells of its manoeuvre; UserError for a value that no manoeuvre has."""
+    told = (meta.model_extra or {}).get("manoeuvre")
+    setting = told if isinstance(told, dict) else {"kind": told} if told else {}
+    for key, value in setting.items():
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if key in LARGEST and not (number and abs(value) <= LARGEST[key]):
+            said = f"must be a number from {-LARGEST[key]:.3g} to {LARGEST[key]:.3g}"
+        elif number and not math.isfinite(value):
+            said = "must be a finite number"
+        elif not isinstance(value, str | int | float | None) or not isinstance(key, str):
+            said = "must be a number, a text, true or false"
+        else:
+            continue
+        told = f"manoeuvre: {clipped(key)}: {said}, not {clipped(repr(value))}"
+        raise UserError(f"run {name}: {told}; correct dataset.yaml")
+    return setting
+
+
 def listed(meta: RunMeta, key: str, name: str) -> list[Any]:
     """The list that the meta of the run `name` holds under a key, empty where there is none; UserError for
     anything else."""
@@ -75,16 +94,16 @@ def listed(meta: RunMeta, key: str, name: str) -> list[Any]:
 
 def _mark(given: Any, name: str) -> Mark:
     try:
-        return Mark(
-            float(given["time"]),
-            str(given["phase"]),
-            int(given.get("number", 0)),
-            float(given.get("angle", math.nan)),
-        )
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise UserError(
-            f"run {name}: marks must be mappings with time, phase, number and angle, not {given!r}"
-        ) from error
+        time, angle = float(given["time"]), float(given.get("angle", math.nan))
+        mark = Mark(time, str(given["phase"]), int(given.get("number", 0)), angle)
+        if math.isfinite(time) and not abs(angle) > LARGEST["angle"]:
+            return mark
+    except (KeyError, TypeError, ValueError, OverflowError, AttributeError):
+        pass
+    raise UserError(
+        f"run {name}: marks must be mappings with time [s], phase, number and angle [rad], not "
+        f"{clipped(repr(given))}; correct dataset.yaml"
+    )
 
 
 def _found(motion: Motion, kind: Kind | None) -> Recognised | None:
