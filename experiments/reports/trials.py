@@ -189,7 +189,7 @@ def cell(figure: Figure | None, length: float) -> str:
 def imo_table(results: Sequence[Result]) -> str:
     """Every limit that applies to a run."""
     rows = [
-        [result.run, c.name, f"{c.value:.2f} {c.unit}", f"{c.limit:.2f}", _passed(c.passed)]
+        [in_markdown(result.run), c.name, f"{c.value:.2f} {c.unit}", f"{c.limit:.2f}", _passed(c.passed)]
         for result in results
         for c in result.criteria
     ]
