@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
+from swamp_rl.counted import counted
 from swamp_rl.evaluation import COSTS, ELECTRIC
 
 Results = Mapping[str, Any]
@@ -60,10 +61,10 @@ def _opening(results: Results) -> str:
     data = results["data"]
     return (
         f"# {results['name']}: success and costs of the pilots\n\n"
-        f"Boat `{results['boat']}` on the course `{results['course']}`. There were {data['successful']} "
-        f"successful training runs ({data['source']}, {data['minutes']:.0f} minutes). Every pilot was "
-        f"evaluated in the same {results['evaluation']['episodes']} seeded episodes at each level of "
-        f"disturbance. **{targets_reached(results['targets'])}**"
+        f"Boat `{results['boat']}` on the course `{results['course']}`. Training data: "
+        f"{counted(data['successful'], 'successful run')} ({data['source']}, {data['minutes']:.1f} min). "
+        f"Every pilot was evaluated in the same {results['evaluation']['episodes']} seeded episodes at each "
+        f"level of disturbance. **{targets_reached(results['targets'])}**"
     )
 
 
@@ -150,9 +151,10 @@ def _training(results: Results) -> str:
     failed = data["runs"] - data["successful"]
     return (
         "## Training data\n\n"
-        f"There are {data['runs']} runs, {failed} of which failed. Failed runs are kept and marked; a "
+        f"{counted(data['runs'], 'run')}, of which {failed} failed. Failed runs are kept and marked; a "
         "pilot is trained on them only where this list says so.\n\n"
         + "\n".join(learners)
+        + "".join(f"\n* Note: {line}" for line in data["notes"])
         + "\n\n![Training tracks](figures/training_tracks.png)"
     )
 

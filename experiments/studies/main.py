@@ -15,7 +15,7 @@ from swamp_rl.experiments.evaluation.race import Race, fly_race
 from swamp_rl.experiments.reports.experiment import report
 from swamp_rl.experiments.reports.experiment_figures import draw_figures, write_race
 from swamp_rl.experiments.training.tracking import track_success
-from swamp_rl.experiments.training.train import get_data, train_pilots
+from swamp_rl.experiments.training.train import get_data, notes, train_pilots
 
 from swamp_rl.evaluation import write_episodes
 from swamp_rl.pilots.made_for import other_boat
@@ -34,6 +34,7 @@ def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any
         track_success(scene.experiment, tried.tables)
         results = gather(scene, dataset, tried.tables) | {"seeds": seeds(scene.experiment)}
         results["data"]["sha256"] = write_hashes(dataset.folder, folder)
+        results["data"]["notes"] = notes(scene, dataset)
         for name in pilots:
             place = folder / "pilots" / name
             made_for = other_boat(describe_pilot(place).made, scene.boat)

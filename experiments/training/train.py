@@ -12,6 +12,7 @@ from swamp_rl.experiments.config.learners import Training, check_logged, in_orde
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.training.coverage import calm_warning, warning
+from swamp_rl.experiments.training.run_faults import run_faults
 from swamp_rl.experiments.training.tracking import tracked
 
 from swamp_rl.boat.digest import boat_digest
@@ -49,7 +50,26 @@ def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
             f"makes {rate:g}; set step to {1.0 / dataset.meta.sample_rate:g}"
         )
     _check_boat(scene, dataset)
+    for line in run_faults(scene, dataset):
+        say(line)
     return dataset
+
+
+def notes(scene: Scene, dataset: Dataset) -> list[str]:
+    """What limits the pilots that learn from `dataset`, one line each: faults of its runs, then by pilot
+    starts and disturbances of the evaluation that its runs lack."""
+    by_pilot = (_notes_on(scene, name, plan, dataset) for name, plan in scene.experiment.pilots.items())
+    return [*run_faults(scene, dataset), *(line for lines in by_pilot for line in lines)]
+
+
+def _notes_on(scene: Scene, name: str, plan: PilotPlan, dataset: Dataset) -> list[str]:
+    # With a takeover another pilot drives at the start.
+    if not learner(plan.kind).from_runs or plan.takeover > 0.0:
+        return []
+    runs = _runs_of(name, plan, dataset)
+    return [
+        line for line in (warning(scene, name, runs), calm_warning(scene, name, runs)) if line is not None
+    ]
 
 
 def _check_boat(scene: Scene, dataset: Dataset) -> None:
@@ -127,12 +147,8 @@ def _train_into(
     plan = scene.experiment.pilots[name]
     checkpoint = _checkpoint(folder, name)
     curve: list[dict[str, float]] = []
-    # With a takeover another pilot drives at the start.
-    if learner(plan.kind).from_runs and plan.takeover == 0.0:
-        runs = _runs_of(name, plan, dataset)
-        for line in (warning(scene, name, runs), calm_warning(scene, name, runs)):
-            if line is not None:
-                say(line)
+    for line in _notes_on(scene, name, plan, dataset):
+        say(line)
     events = folder.parent / TENSORBOARD / name
     with progress.stage(f"train {name}", 1.0) as tick, tracked(events, scene.experiment, name) as log:
         hear = partial(_add_point, curve, log)
