@@ -125,23 +125,31 @@ function say(words, good = false) {
   saying = setTimeout(() => { box.className = ""; }, 3000);
 }
 
-const ENDS = { success: "Both gates!", link_lost: "Link lost", buoy: "Touched a buoy", aground: "Aground", out_of_bounds: "Out of bounds", timeout: "Time is up", diverged: "Simulation diverged" };
+const ENDS = { link_lost: "Link lost", buoy: "Touched a buoy", aground: "Aground", out_of_bounds: "Out of bounds", timeout: "Time is up", diverged: "Simulation diverged" };
+const success = ({ length }) => (length === 1 ? "Through the gate!" : length === 2 ? "Both gates!" : "All gates!");
 function headline() {
   if (document.body.dataset.connected !== "yes" || !frame) return ["Connecting …", ""];
-  if (performance.now() - arrived > SILENT) return ["The recorder does not answer", "Accepted runs are safe. Its screen says more."];
+  if (performance.now() - arrived > SILENT) return ["The recorder does not answer", "Kept runs are safe. Its terminal says more."];
   if (document.body.dataset.replay) return ["", ""];
   if (frame.trouble) return ["The levers are off", frame.trouble];
   if (!status.driving) return ["Watching", status.seat_taken ? "Someone is at the levers." : "The seat is free: press Drive."];
-  const next = scene.course.gates[Math.min(frame.passed, scene.course.gates.length - 1)].name;
+  const { gates } = scene.course;
+  const next = gates[Math.min(frame.passed, gates.length - 1)].name;
   switch (frame.phase) {
-    case "ready": return ["Ready", `Push the throttle: through ${scene.course.gates.map((gate) => gate.name).join(", then ")}.`];
+    case "ready": return ["Ready", `Push the throttle: through ${gates.map((gate) => gate.name).join(", then ")}.`];
     case "run":
       if (frame.stopped) return ["Thrusters stopped", "The page lost your hand: click here, or move a lever."];
-      return ["", frame.helm === "pilot" ? "The autopilot has the helm." : frame.passed ? `Recording. Now ${next}.` : `Recording. To the ${next} gate: the clock starts there.`];
+      if (frame.helm === "pilot") return ["", "The autopilot has the helm."];
+      if (frame.passed) return ["", `Recording. Now ${next}.`];
+      return ["", `Recording. To the ${next} gate${gates.length > 1 ? ": the clock starts there" : ""}.`];
     case "saving": return ["Saving …", ""];
-    default:
-      if (!scene.simulated) return [ENDS[frame.outcome] ?? frame.outcome, "The levers still drive the vehicle: bring it back, then keep or discard."];
-      return [ENDS[frame.outcome] ?? frame.outcome, frame.outcome === "success" ? `${frame.run_time.toFixed(1)} s from gate to gate` : "Failed runs teach too."];
+    default: {
+      const home = frame.outcome === "success";
+      const end = home ? success(gates) : ENDS[frame.outcome] ?? frame.outcome;
+      if (!scene.simulated) return [end, "The levers still drive the vehicle: bring it back, then keep or discard."];
+      const from = gates.length > 1 ? "from gate to gate" : "from the first thrust";
+      return [end, home ? `${frame.run_time.toFixed(1)} s ${from}` : "Failed runs teach too."];
+    }
   }
 }
 
@@ -173,6 +181,9 @@ function stop() {
 
 listen(command, (name) => { if (name !== "accept" || frame?.phase === "ended") act(name); });
 setInterval(command, HEARTBEAT / 2);
+addEventListener("gamepadconnected", ({ gamepad }) => {
+  if (gamepad.mapping !== "standard") say("Gamepad of an unknown layout: axis 2 is the throttle, axis 3 steers. If the boat turns by itself, unplug it.");
+});
 addEventListener("blur", stop);
 document.addEventListener("visibilitychange", () => { if (document.hidden) stop(); });
 for (const id of ["accept", "retry", "discard", "helm", "seat"]) {
