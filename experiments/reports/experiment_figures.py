@@ -1,6 +1,6 @@
 """What the report shows: tracks, commands, success rates, and the race recorded for rerun."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +9,10 @@ from swamp_rl.experiments.evaluation.episodes import Tried
 from swamp_rl.experiments.evaluation.race import Race
 from swamp_rl.experiments.reports import figures
 
+from swamp_rl.counted import counted
 from swamp_rl.demo.recording import write_recording
 from swamp_rl.demo.scene import demo_scene
-from swamp_rl.runs import Dataset
+from swamp_rl.runs import Dataset, Run
 
 
 def draw_figures(
@@ -19,9 +20,7 @@ def draw_figures(
 ) -> None:
     """The PNGs of the report, into `folder`."""
     folder.mkdir()
-    good = dataset.successful
-    failed = [run for run in dataset.runs if run not in good]
-    panels = [(f"{len(good)} successful runs", good), (f"{len(failed)} failed runs", failed)]
+    panels = training_panels(dataset.runs)
     figures.tracks(folder / "training_tracks.png", scene.course, [panels], "Training runs")
     names = list(scene.experiment.pilots)
     rows = [[(f"{name}, {level}", tried.shown[name, level]) for level in scene.levels] for name in names]
@@ -30,6 +29,14 @@ def draw_figures(
     rates = {name: pilot["levels"] for name, pilot in results["pilots"].items()}
     asked = scene.experiment.targets.success
     figures.success_rates(folder / "success.png", rates, asked, "Success, with Wilson's 95 % interval")
+
+
+def training_panels(runs: Sequence[Run]) -> list[figures.Panel]:
+    """The successful and the failed runs, without a panel of none."""
+    good = [run for run in runs if run.meta.outcome == "success"]
+    failed = [run for run in runs if run.meta.outcome != "success"]
+    told = (("successful run", good), ("failed run", failed))
+    return [(counted(len(panel), noun), panel) for noun, panel in told if panel]
 
 
 def write_race(scene: Scene, race: Race, path: Path) -> None:
