@@ -16,7 +16,7 @@ NOTES = "Driven in evaluation by the pilot of that name; each run tells its leve
 
 def write_shown(dataset: Dataset, race: Race, folder: Path) -> None:
     """The run of the data in the race as a dataset of its own, for results whose data lie elsewhere."""
-    empty = dataset.meta.model_copy(update={"copies": {}, "runs": []})
+    empty = dataset.meta.model_copy(update={"copies": {}})
     create_dataset(folder, empty, dataset.boat_file, dataset.course_file)
     append_runs(folder, [race[dataset.meta.source]])
 

@@ -42,8 +42,7 @@ def export_runs(source: Path | str, to: Format, out: Path | str, boat: str | Non
             for run in dataset.runs:
                 write_mcap(file_in(part, f"{run.name}.mcap", (".mcap",)), run, meta, copies)
         else:
-            bare = meta.model_copy(update={"runs": []})
-            create_dataset(part, bare, dataset.boat_file, dataset.course_file)
+            create_dataset(part, meta, dataset.boat_file, dataset.course_file)
             append_runs(part, dataset.runs, to)
         write_sums(part)
     return len(dataset.runs)

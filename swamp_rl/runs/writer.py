@@ -31,13 +31,14 @@ def create_dataset(
 ) -> None:
     """Make a folder for runs yet to be appended, with copies of its boat's and its course's files.
 
-    boat, course: names or paths of these, by default those that `meta` gives, a file in the folder first.
+    meta: of the new dataset; runs that it lists, as of a dataset that is copied, are left out. boat, course:
+    names or paths of these, by default those that `meta` gives, a file in the folder first.
     UserError if the folder already holds a dataset, other runs or other files of the copies' names; the same
     files are of a process that was killed before it wrote `dataset.yaml`.
     """
     folder = Path(folder)
     boat, course = boat or _there(folder, meta.vehicle), course or _there(folder, meta.course)
-    meta, copies = standing_alone(meta, boat, course)
+    meta, copies = standing_alone(meta.model_copy(update={"runs": []}), boat, course)
     own = {Path(given).name for given in (boat, course) if given is not None and Path(given).parent == folder}
     try:
         folder.mkdir(parents=True, exist_ok=True)

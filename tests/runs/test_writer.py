@@ -183,3 +183,13 @@ def test_a_dataset_that_would_be_too_long_to_read_takes_no_more_runs(
         append_run(folder, Run("three", circling(), told))
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
     assert check_dataset(folder) == []
+
+
+def test_a_dataset_made_by_the_description_of_another_holds_none_of_its_runs(tmp_path: Path) -> None:
+    create_dataset(tmp_path / "all", described())
+    append_run(tmp_path / "all", Run("one", circling()))
+    there = read_dataset(tmp_path / "all")
+    create_dataset(tmp_path / "some", there.meta)
+    append_run(tmp_path / "some", there.runs[0])
+    assert check_dataset(tmp_path / "some") == []
+    assert [run.name for run in read_dataset(tmp_path / "some").runs] == ["one"]

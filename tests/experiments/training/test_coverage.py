@@ -26,7 +26,7 @@ def driven(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def cut_at_the_first_gate(folder: Path, out: Path, whole: int = 0) -> Path:
     """The runs as recorders once kept them, but for the first `whole`."""
     dataset = read_dataset(folder)
-    create_dataset(out, dataset.meta.model_copy(update={"runs": []}))
+    create_dataset(out, dataset.meta)
     for number, run in enumerate(dataset.runs):
         assert run.meta.gates is not None
         first = 0 if number < whole else int((run.time < run.meta.gates[0]).sum())
