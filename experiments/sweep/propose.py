@@ -1,14 +1,17 @@
 """Which values the trials of a sweep try: the whole grid, or draws by Optuna, however many workers."""
 
+import dataclasses
 import importlib.util
 import itertools
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.sweep.schema import Parameter, Sweep
 from swamp_rl.experiments.sweep.store import Trial
 
+from swamp_rl.errors import UserError
 from swamp_rl.extras import missing
 
 Values = dict[str, Any]
@@ -38,6 +41,28 @@ def propose(sweep: Sweep, numbers: range, earlier: Mapping[int, Trial]) -> dict[
         grid = _grid(sweep)
         return {number: grid[number] for number in numbers}
     return _drawn(sweep, numbers, [earlier[number] for number in range(numbers.start)])
+
+
+def numbered(sweep: Sweep, ended: Iterable[Trial]) -> list[Trial]:
+    """Ended trials by their numbers in `sweep`, whose grid or number of draws may have grown meanwhile.
+
+    UserError for one that the sweep no longer has.
+    """
+    grid = {} if sweep.trials else {_key(values): number for number, values in enumerate(_grid(sweep))}
+    found: dict[int, Trial] = {}
+    for trial in ended:
+        number = trial.number if sweep.trials else grid.get(_key(trial.values))
+        if number is None or number >= (sweep.trials or len(grid)):
+            raise UserError(
+                f"holds trial {trial.counted} ({_key(trial.values)}), which the sweep no longer has; bring "
+                "it back, or name another folder with --out"
+            )
+        found[number] = dataclasses.replace(trial, number=number)
+    return [found[number] for number in sorted(found)]
+
+
+def _key(values: Values) -> str:
+    return json.dumps(values, sort_keys=True)
 
 
 def _grid(sweep: Sweep) -> list[Values]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from swamp_rl.experiments.reports.experiment import rate, table
 from swamp_rl.experiments.sweep.propose import trials_of
 from swamp_rl.experiments.sweep.schema import Sweep, override
@@ -13,6 +14,9 @@ from swamp_rl.experiments.sweep.store import Trial
 
 from swamp_rl.figure_style import sheet
 from swamp_rl.files import write_beside
+
+SPREAD = 0.5
+"Of the trials with one value of a list, as a share of the way to the next."
 
 
 def write_report(folder: Path, sweep: Sweep, fixed: Sequence[str], trials: Mapping[int, Trial]) -> None:
@@ -122,25 +126,38 @@ def _page(sweep: Sweep, found: Mapping[str, Any]) -> str:
 def _draw(path: Path, sweep: Sweep, trials: Mapping[int, Trial]) -> None:
     """One chart for each parameter, a dot for each trial; success with its interval."""
     valued = [trial for trial in trials.values() if trial.value is not None]
+    percent = sweep.objective.measure == "success"
     with sheet(path, 3.2 * len(sweep.parameters) + 0.6, 3.0) as figure:
         charts = figure.subplots(1, len(sweep.parameters), sharey=True, squeeze=False)[0]
         for axes, (key, parameter) in zip(charts, sweep.parameters.items(), strict=True):
-            places, labels = _places([trial.values[key] for trial in valued])
-            axes.plot(places, [trial.value for trial in valued], "o", ms=4, zorder=3)
-            if sweep.objective.measure == "success":
+            listed = parameter.grid or parameter.choice
+            values = [trial.values[key] for trial in valued]
+            places = values if listed is None else _side_by_side([listed.index(value) for value in values])
+            axes.plot(
+                places,
+                [(100.0 if percent else 1.0) * (trial.value or 0.0) for trial in valued],
+                "o",
+                ms=4,
+                zorder=3,
+            )
+            if percent:
                 ends = [trial.summary["wilson_95"] for trial in valued if trial.summary is not None]
-                axes.vlines(places, [low for low, _ in ends], [high for _, high in ends], lw=1.0, alpha=0.6)
-            if labels:
-                axes.set_xticks(range(len(labels)), labels)
-            elif parameter.kind == "log_uniform":
+                low, high = 100.0 * np.array(ends).reshape(-1, 2).T
+                axes.vlines(places, low, high, lw=1.0, alpha=0.6)
+            if listed is not None:
+                axes.set_xticks(range(len(listed)), [str(value) for value in listed])
+                axes.set_xlim(-0.5, len(listed) - 0.5)
+            elif parameter.log_uniform is not None:
                 axes.set_xscale("log")
             axes.set_xlabel(key)
-        charts[0].set_ylabel(f"{sweep.objective.measure}, {sweep.objective.pilot}")
+        unit = " [%]" if percent else ""
+        charts[0].set_ylabel(f"{sweep.objective.measure}{unit}, {sweep.objective.pilot}")
 
 
-def _places(values: Sequence[Any]) -> tuple[list[float], list[str]]:
-    """Where values stand on the axis: numbers as they are; others side by side, with their labels."""
-    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
-        return [float(value) for value in values], []
-    labels = list(dict.fromkeys(str(value) for value in values))
-    return [float(labels.index(str(value))) for value in values], labels
+def _side_by_side(places: Sequence[int]) -> list[float]:
+    """Those at the same place spread over half the way to the next, in their order."""
+    found = []
+    for i, place in enumerate(places):
+        among, rank = places.count(place), places[:i].count(place)
+        found.append(place + SPREAD * ((rank + 0.5) / among - 0.5))
+    return found

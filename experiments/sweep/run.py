@@ -5,11 +5,19 @@ from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from itertools import starmap
 from pathlib import Path
+from typing import Any
 
 from swamp_rl.experiments.artifacts.provenance import digests_of_inputs, with_data_hash
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.schema import Experiment
-from swamp_rl.experiments.sweep.propose import Values, batches_of, propose, refuse_without_optuna, trials_of
+from swamp_rl.experiments.sweep.propose import (
+    Values,
+    batches_of,
+    numbered,
+    propose,
+    refuse_without_optuna,
+    trials_of,
+)
 from swamp_rl.experiments.sweep.schema import Objective, Sweep, load_sweep, override
 from swamp_rl.experiments.sweep.store import FILE, Store, Trial, opened
 from swamp_rl.experiments.sweep.trial import carry_out, job_of
@@ -48,7 +56,7 @@ def run_sweep(
     folder = Path(out) if out is not None else Path("results") / "sweeps" / sweep.name
     refuse_name_of_file(folder)
     plan = {
-        "sweep": sweep.model_dump(mode="json", exclude={"description", "retries"}),
+        "sweep": _settings(sweep),
         "experiment": base.model_dump(mode="json"),
         "inputs": digests_of_inputs(read_scene(base)),
         "swamp_rl": __version__,
@@ -63,12 +71,33 @@ def run_sweep(
         else:
             pool = None
         with opened(folder, plan) as store:
+            _renumber(store, sweep, folder / FILE)
             if len(store.trials()) < trials_of(sweep):
                 pool = pool or pools.enter_context(open_pool(carry_out, workers, ray))
                 carry_on(sweep, store, pool, job, tell)
             pools.close()
             write_report(folder, sweep, fixed, store.trials())
     return folder
+
+
+def _settings(sweep: Sweep) -> dict[str, Any]:
+    """What a trial's values and result depend on: not how many of them there are."""
+    drawn = {
+        key: {} if parameter.kind == "grid" else parameter.model_dump(mode="json", exclude_none=True)
+        for key, parameter in sweep.parameters.items()
+    }
+    left_out = {"description", "retries", "parameters", "trials"}
+    return sweep.model_dump(mode="json", exclude=left_out) | {"parameters": drawn}
+
+
+def _renumber(store: Store, sweep: Sweep, path: Path) -> None:
+    ended = list(store.trials().values())
+    try:
+        now = numbered(sweep, ended)
+    except UserError as error:
+        raise UserError(f"{path}: {error}") from error
+    if now != ended:
+        store.replace(now)
 
 
 def carry_on(sweep: Sweep, store: Store, pool: Pool, job: Callable[[Values], str], tell: Tell) -> None:

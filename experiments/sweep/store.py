@@ -2,12 +2,13 @@
 
 import json
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.json_text import parsed_json
 from swamp_rl.ordinary import ordinary
@@ -19,6 +20,8 @@ TABLES = {
     "trials": "CREATE TABLE trials (number INTEGER PRIMARY KEY, trial TEXT)",
     "plan": "CREATE TABLE plan (plan TEXT)",
 }
+LONGEST_TOLD = 60
+"Characters of a setting in a message."
 LONGEST = 2**24
 "Bytes of a row."
 END = bytes.fromhex("d9d505f920a163d7")
@@ -75,10 +78,19 @@ class Store:
 
     def add(self, trial: Trial) -> None:
         """Keep one for good."""
-        text = json.dumps({**asdict(trial), KEY: BLANK}, allow_nan=False)
-        row = (trial.number, sealed(text.encode()).decode())
         with self._connection:
-            self._connection.execute("INSERT INTO trials VALUES (?, ?)", row)
+            self._connection.execute("INSERT INTO trials VALUES (?, ?)", _row(trial))
+
+    def replace(self, trials: Iterable[Trial]) -> None:
+        """Keep these in place of all others."""
+        with self._connection:
+            self._connection.execute("DELETE FROM trials")
+            self._connection.executemany("INSERT INTO trials VALUES (?, ?)", map(_row, trials))
+
+
+def _row(trial: Trial) -> tuple[int, str]:
+    text = json.dumps({**asdict(trial), KEY: BLANK}, allow_nan=False)
+    return trial.number, sealed(text.encode()).decode()
 
 
 @contextmanager
@@ -161,6 +173,18 @@ def _agree(connection: sqlite3.Connection, path: Path, plan: str) -> None:
         if stored is None:
             connection.execute("INSERT INTO plan VALUES (?)", (plan,))
         elif stored[0] != plan:
+            key, there, now = next(_differences(parsed_json(stored[0]), json.loads(plan)))
             raise UserError(
-                f"{path}: holds trials of another sweep or of other settings; name another folder with --out"
+                f"{path}: holds trials of another sweep or of other settings ({key}: there {there}, now "
+                f"{now}); name another folder with --out"
             )
+
+
+def _differences(there: Any, now: Any, key: str = "") -> Iterator[tuple[str, str, str]]:
+    """Each dotted key with another value, as short JSON, in two plans."""
+    if not (isinstance(there, dict) and isinstance(now, dict)):
+        if there != now:
+            yield key, *(clipped(json.dumps(value), LONGEST_TOLD) for value in (there, now))
+        return
+    for part in sorted(there.keys() | now.keys()):
+        yield from _differences(there.get(part), now.get(part), f"{key}.{part}" if key else part)
