@@ -3,7 +3,7 @@
 import numpy as np
 from swamp_rl.envs.again import same_episode
 from swamp_rl.envs.line_of_sight_damping import suited
-from swamp_rl.experiments.artifacts.job import say
+from swamp_rl.experiments.artifacts.stages import say
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course

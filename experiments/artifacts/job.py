@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -42,11 +41,6 @@ def same_job(folder: Path, scene: Scene) -> bool:
     """Whether a folder was made with this configuration and these versions."""
     files = description(scene).items()
     return all((folder / name).is_file() and (folder / name).read_bytes() == held for name, held in files)
-
-
-def say(line: str) -> None:
-    """A note on the error stream."""
-    print("swamp-rl:", line, file=sys.stderr)
 
 
 def _take_over(trained: Path, part: Path) -> None:

@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,17 +22,24 @@ from swamp_rl.pilots.callbacks import Tick
 class Stages:
     """The bars on the screen, and `seconds` by the name of each stage that has ended.
 
-    log: the file that keeps them for a later life of the job; what it holds already is taken over.
+    log: the file that keeps them for a later life of the job; what it holds already is taken over. quiet:
+    nothing is said, as in one of many trials.
     """
 
     bars: Any
     seconds: dict[str, float] = field(default_factory=dict)
     log: Path | None = None
+    quiet: bool = False
+
+    def say(self, line: str) -> None:
+        """A note on the error stream, unless quiet."""
+        if not self.quiet:
+            say(line)
 
     def logged_in(self, file: Path) -> "Stages":
         """The same bars with the seconds that `file` keeps, to which each stage's are added from now on."""
         known = read_json(file, "remove it") if file.is_file() else {}
-        return Stages(self.bars, known, file)
+        return replace(self, seconds=known, log=file)
 
     @contextmanager
     def stage(self, name: str, total: float | None = None) -> Iterator[Tick]:
@@ -44,6 +51,11 @@ class Stages:
         if self.log is not None:
             write_text(self.log, json.dumps(self.seconds))
         self.bars.update(task, total=1.0, completed=1.0)
+
+
+def say(line: str) -> None:
+    """A note on the error stream."""
+    print("swamp-rl:", line, file=sys.stderr)
 
 
 @contextmanager

@@ -6,8 +6,8 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from swamp_rl.experiments.artifacts.job import say
 from swamp_rl.experiments.artifacts.provenance import CONFIG, EXPERIMENT, TRAINED, kept_config, same_configs
+from swamp_rl.experiments.artifacts.stages import say
 from swamp_rl.experiments.config.load import load_experiment, overridden
 from swamp_rl.experiments.config.schema import Experiment, Targets
 from swamp_rl.experiments.studies.run import evaluated

@@ -20,7 +20,7 @@ from swamp_rl.experiments.sweep.propose import (
 )
 from swamp_rl.experiments.sweep.schema import Objective, Sweep, load_sweep, override
 from swamp_rl.experiments.sweep.store import FILE, Store, Trial, opened
-from swamp_rl.experiments.sweep.trial import carry_out, job_of
+from swamp_rl.experiments.sweep.trial import carry_out, cut_down, job_of, quiet
 
 from swamp_rl import __version__
 from swamp_rl.errors import UserError
@@ -73,6 +73,7 @@ def run_sweep(
         with opened(folder, plan) as store:
             _renumber(store, sweep, folder / FILE)
             if len(store.trials()) < trials_of(sweep):
+                _say_notes(sweep, base, folder)
                 pool = pool or pools.enter_context(open_pool(carry_out, workers, ray))
                 carry_on(sweep, store, pool, job, tell)
             pools.close()
@@ -88,6 +89,21 @@ def _settings(sweep: Sweep) -> dict[str, Any]:
     }
     left_out = {"description", "retries", "parameters", "trials"}
     return sweep.model_dump(mode="json", exclude=left_out) | {"parameters": drawn}
+
+
+def _say_notes(sweep: Sweep, base: Experiment, folder: Path) -> None:
+    """Say once what the trials, which are quiet, would say of the folder of runs."""
+    from swamp_rl.experiments.artifacts.stages import say
+    from swamp_rl.experiments.config.scene import read_scene
+    from swamp_rl.experiments.training.train import get_data, notes
+
+    if base.data.folder is None:
+        return
+    scene = read_scene(cut_down(base, sweep.objective))
+    with quiet() as progress:
+        told = notes(scene, get_data(scene, folder, progress))
+    for line in told:
+        say(line)
 
 
 def _renumber(store: Store, sweep: Sweep, path: Path) -> None:

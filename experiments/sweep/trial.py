@@ -2,20 +2,28 @@
 
 import json
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from swamp_rl.experiments.config.schema import Experiment, Targets
 from swamp_rl.experiments.sweep.schema import Objective
 
 from swamp_rl.one_thread import one_thread
 
+if TYPE_CHECKING:
+    from swamp_rl.experiments.artifacts.stages import Stages
+
 
 def job_of(experiment: Experiment, objective: Objective) -> str:
-    """What a trial needs to know: the objective, and the experiment cut down to its pilot and level.
+    """What a trial needs to know, as JSON: the objective, and the experiment `cut_down` to it."""
+    cut = cut_down(experiment, objective)
+    return json.dumps({"experiment": cut.model_dump(mode="json"), "objective": objective.model_dump()})
 
-    Pilots that this one starts from are kept.
-    """
+
+def cut_down(experiment: Experiment, objective: Objective) -> Experiment:
+    """The experiment with the objective's level and pilot alone, and those that this one starts from."""
     from swamp_rl.experiments.config.learners import in_order
 
     needed = in_order(experiment.pilots, [objective.pilot])
@@ -23,8 +31,7 @@ def job_of(experiment: Experiment, objective: Objective) -> str:
     level = next(level for level in experiment.evaluation.levels if Path(level).stem == objective.level)
     evaluation = experiment.evaluation.model_copy(update={"levels": (level,), "shown": 1})
     left_out = {"targets": Targets(), "claims": None}
-    cut = experiment.model_copy(update={"pilots": pilots, "evaluation": evaluation, **left_out})
-    return json.dumps({"experiment": cut.model_dump(mode="json"), "objective": objective.model_dump()})
+    return experiment.model_copy(update={"pilots": pilots, "evaluation": evaluation, **left_out})
 
 
 @one_thread()
@@ -39,7 +46,7 @@ def carry_out(job: str) -> str:
     asked = json.loads(job)
     objective = Objective.model_validate(asked["objective"])
     scene = read_scene(Experiment.model_validate(asked["experiment"]))
-    with tempfile.TemporaryDirectory(prefix="swamp-rl-trial-") as name, _quiet() as progress:
+    with tempfile.TemporaryDirectory(prefix="swamp-rl-trial-") as name, quiet() as progress:
         dataset = get_data(scene, Path(name), progress)
         pilots = train_pilots(scene, dataset, Path(name) / "pilots", progress)
         one = {objective.pilot: pilots[objective.pilot]}
@@ -54,15 +61,11 @@ def _value(found: dict[str, Any], objective: Objective) -> float | None:
     return found["mean_of_successes"][objective.measure]
 
 
-def _quiet() -> Any:
-    from contextlib import contextmanager
-
+@contextmanager
+def quiet() -> Iterator["Stages"]:
+    """Stages without bars and notes."""
     from rich.progress import Progress
     from swamp_rl.experiments.artifacts.stages import Stages
 
-    @contextmanager
-    def stages() -> Any:
-        with Progress(disable=True) as bars:
-            yield Stages(bars)
-
-    return stages()
+    with Progress(disable=True) as bars:
+        yield Stages(bars, quiet=True)

@@ -12,8 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from swamp_rl.experiments.artifacts.job import say
 from swamp_rl.experiments.artifacts.results import Tables
+from swamp_rl.experiments.artifacts.stages import say
 from swamp_rl.experiments.config.schema import Experiment
 
 from swamp_rl.errors import UserError

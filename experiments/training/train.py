@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from swamp_rl.experiments.artifacts.job import say
 from swamp_rl.experiments.artifacts.provenance import TENSORBOARD
 from swamp_rl.experiments.artifacts.stages import Stages
 from swamp_rl.experiments.config.learners import Training, check_logged, in_order, learner
@@ -50,16 +49,29 @@ def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
             f"makes {rate:g}; set step to {1.0 / dataset.meta.sample_rate:g}"
         )
     _check_boat(scene, dataset)
-    for line in run_faults(scene, dataset):
-        say(line)
+    for line in _notes_on_data(scene, dataset):
+        progress.say(line)
     return dataset
 
 
 def notes(scene: Scene, dataset: Dataset) -> list[str]:
-    """What limits the pilots that learn from `dataset`, one line each: faults of its runs, then by pilot
-    starts and disturbances of the evaluation that its runs lack."""
+    """What limits the pilots that learn from `dataset`, one line each: its boat and faults of its runs, then
+    by pilot starts and disturbances of the evaluation that its runs lack."""
     by_pilot = (_notes_on(scene, name, plan, dataset) for name, plan in scene.experiment.pilots.items())
-    return [*run_faults(scene, dataset), *(line for lines in by_pilot for line in lines)]
+    return [*_notes_on_data(scene, dataset), *(line for lines in by_pilot for line in lines)]
+
+
+def _notes_on_data(scene: Scene, dataset: Dataset) -> list[str]:
+    ours, theirs = scene.boat, dataset.boat
+    found = run_faults(scene, dataset)
+    if boat_digest(theirs) == boat_digest(ours):
+        return found
+    other = "another version of boat" if theirs.name == ours.name else "boat"
+    name = scene.experiment.name
+    return [
+        f"{dataset.folder}: recorded with {other} {theirs.name}, experiment {name} has {ours.name}",
+        *found,
+    ]
 
 
 def _notes_on(scene: Scene, name: str, plan: PilotPlan, dataset: Dataset) -> list[str]:
@@ -73,7 +85,7 @@ def _notes_on(scene: Scene, name: str, plan: PilotPlan, dataset: Dataset) -> lis
 
 
 def _check_boat(scene: Scene, dataset: Dataset) -> None:
-    """UserError where the runs are of a boat of other thrusters or size; a note where of any other."""
+    """UserError where the runs are of a boat of other thrusters or size."""
     ours, theirs, name = scene.boat, dataset.boat, scene.experiment.name
     if not build_of(theirs).serves(build_of(ours)):
         raise UserError(
@@ -81,9 +93,6 @@ def _check_boat(scene: Scene, dataset: Dataset) -> None:
             f"has boat {ours.name} ({build_of(ours)}); set boat to that of the runs, or name runs of "
             f"{ours.name}"
         )
-    if boat_digest(theirs) != boat_digest(ours):
-        other = "another version of boat" if theirs.name == ours.name else "boat"
-        say(f"{dataset.folder}: recorded with {other} {theirs.name}, experiment {name} has {ours.name}")
 
 
 def record(scene: Scene, folder: Path, tick: Tick) -> None:
@@ -148,7 +157,7 @@ def _train_into(
     checkpoint = _checkpoint(folder, name)
     curve: list[dict[str, float]] = []
     for line in _notes_on(scene, name, plan, dataset):
-        say(line)
+        progress.say(line)
     events = folder.parent / TENSORBOARD / name
     with progress.stage(f"train {name}", 1.0) as tick, tracked(events, scene.experiment, name) as log:
         hear = partial(_add_point, curve, log)
@@ -156,7 +165,7 @@ def _train_into(
         pilot = learner(plan.kind).train(training)
     made = _made(training)
     if (line := check_made_for(f"pilots.{name}", made, scene.boat, scene.experiment.step)) is not None:
-        say(line)
+        progress.say(line)
     with folder_beside(folder / name) as part:
         save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training), made)
         if curve:
