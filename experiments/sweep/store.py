@@ -184,7 +184,7 @@ def _differences(there: Any, now: Any, key: str = "") -> Iterator[tuple[str, str
     """Each dotted key with another value, as short JSON, in two plans."""
     if not (isinstance(there, dict) and isinstance(now, dict)):
         if there != now:
-            yield key, *(clipped(json.dumps(value), LONGEST_TOLD) for value in (there, now))
+            yield key, clipped(json.dumps(there), LONGEST_TOLD), clipped(json.dumps(now), LONGEST_TOLD)
         return
     for part in sorted(there.keys() | now.keys()):
         yield from _differences(there.get(part), now.get(part), f"{key}.{part}" if key else part)

@@ -164,8 +164,8 @@ def _train_into(
         training = _training(scene, dataset, plan, tick, checkpoint, trained, hear)
         pilot = learner(plan.kind).train(training)
     made = _made(training)
-    if (line := check_made_for(f"pilots.{name}", made, scene.boat, scene.experiment.step)) is not None:
-        progress.say(line)
+    if (other := check_made_for(f"pilots.{name}", made, scene.boat, scene.experiment.step)) is not None:
+        progress.say(other)
     with folder_beside(folder / name) as part:
         save_pilot(with_takeover(scene, plan, pilot), part, _fitted_on(training), made)
         if curve:
