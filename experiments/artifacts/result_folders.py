@@ -58,7 +58,7 @@ class Result:
 
 @dataclass(frozen=True)
 class Entrant:
-    """One way of training: its name, and the results of each of its training seeds."""
+    """One training method: its name, and the results of each of its training seeds."""
 
     label: str
     pilot: str

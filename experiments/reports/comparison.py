@@ -8,6 +8,18 @@ from swamp_rl.experiments.reports.experiment import COST_NAMES, difference, tabl
 Found = Mapping[str, Any]
 
 DIFFERENCE_HEADS = ("mean (95 %, uncorrected)", "p (Holm)")
+SUCCESS_PAIRED = (
+    "## Success rate, paired differences\n\n"
+    "Paired over the episodes. Intervals: with one training seed Tango's score interval, with several a "
+    "bootstrap. p is from a sign-flip test, corrected by Holm over all {} comparisons of this report. The "
+    "intervals are not corrected, so one may exclude zero where p is above 0.05: decide by p. Both hold for "
+    "these trained pilots."
+)
+COSTS_PAIRED = (
+    "## Costs, paired differences\n\n"
+    "Paired over the episodes in which both succeeded. Intervals: a bootstrap, none over a single episode; p "
+    "as above."
+)
 
 
 def report(found: Found) -> str:
@@ -18,8 +30,8 @@ def report(found: Found) -> str:
         f"# Pilots compared\n\nBoat `{found['boat']}` on the course `{found['course']}`, in the same "
         f"episodes: {levels}.{notes}",
         success(found),
-        differences(found, ("success",), "Success rate, paired differences"),
-        differences(found, tuple(COST_NAMES), "Costs, paired differences"),
+        differences(found, ("success",), SUCCESS_PAIRED.format(found["comparisons"])),
+        differences(found, tuple(COST_NAMES), COSTS_PAIRED),
         improvement(found),
         "Results: " + ", ".join(f"`{folder}`" for folder in found["folders"]) + f". Seed {found['seed']}.",
     ]
@@ -49,8 +61,9 @@ def success(found: Found) -> str:
     return (
         "## Success rate\n\n"
         "Percent. With one training seed: Wilson's 95 % interval over the episodes, of this one trained "
-        "pilot. With several: the interquartile mean over them and its 95 % bootstrap interval, of the way "
-        "of training. Fewer than about five seeds make that interval too narrow.\n\n" + success_table(found)
+        "pilot. With several: the interquartile mean over them and its 95 % bootstrap interval, of the "
+        "training method. Fewer than about five seeds make that interval too narrow.\n\n"
+        + success_table(found)
     )
 
 
@@ -59,8 +72,8 @@ def success_table(found: Found) -> str:
     return table(heads(found), rows(found))
 
 
-def differences(found: Found, quantities: Sequence[str], title: str) -> str:
-    """Paired differences in some quantities with their corrected p-values."""
+def differences(found: Found, quantities: Sequence[str], opening: str) -> str:
+    """Paired differences in some quantities with their corrected p-values, below a title and method."""
     lines = []
     for row in found["differences"]:
         if row["quantity"] in quantities:
@@ -69,15 +82,8 @@ def differences(found: Found, quantities: Sequence[str], title: str) -> str:
             lines.append([f"{row['a']} − {row['b']}, {row['level']}", name, span, str(row["n"]), p])
     if not lines:
         return ""
-    return (
-        f"## {title}\n\nPaired over the episodes, costs over those in which both succeeded. Each interval "
-        "covers its own difference with 95 % (success with one training seed: Tango's score interval; else "
-        "bootstrap, none over a single episode) and is not corrected for the number of comparisons. p is "
-        f"from a sign-flip test and is corrected by Holm over all {found['comparisons']} comparisons of this "
-        "report, so an interval may exclude zero where p is above 0.05: decide by p. Both hold for these "
-        "trained pilots.\n\n"
-        + table(["difference", "of", *DIFFERENCE_HEADS[:1], "episodes", *DIFFERENCE_HEADS[1:]], lines)
-    )
+    heads = ["difference", "of", *DIFFERENCE_HEADS[:1], "episodes", *DIFFERENCE_HEADS[1:]]
+    return f"{opening}\n\n{table(heads, lines)}"
 
 
 def improvement(found: Found) -> str:

@@ -1,4 +1,4 @@
-"""What is known of a way of training from a few training seeds (Agarwal and others 2021, NeurIPS 34).
+"""What is known of a training method from a few training seeds (Agarwal and others 2021, NeurIPS 34).
 
 Scores are (S, M): one row for each of S training seeds, one column for each of M tasks (levels, say).
 Intervals are percentile intervals of a stratified bootstrap: seeds are drawn anew within each task. With

@@ -34,6 +34,9 @@ def test_each_interval_and_p_value_says_whether_it_is_corrected(tmp_path: Path) 
     run = CliRunner().invoke(app, ["compare", *map(str, folders), "--out", str(out)])
     for text in (run.output, (out / "compare.md").read_text()):
         assert "mean (95 %, uncorrected)" in text and "p (Holm)" in text
+    page = (out / "compare.md").read_text()
+    assert page.count("corrected by Holm over all") == page.count("Tango's score interval") == 1
+    assert page.index("Tango's") < page.index("## Costs, paired differences")
 
 
 def test_a_folder_of_results_becomes_a_page(tmp_path: Path) -> None:
