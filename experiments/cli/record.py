@@ -12,8 +12,6 @@ from swamp_rl.experiments.cli.link import OriginOption
 from swamp_rl.experiments.cli.options import CourseOption
 from swamp_rl.experiments.cli.place import place_of
 
-from swamp_rl.counted import counted
-
 if TYPE_CHECKING:
     from swamp_rl.teleop.afloat import Afloat
     from swamp_rl.teleop.berth import Berth
@@ -124,7 +122,7 @@ def record(
             stack.close()  # the motors are stopped before anything waits for the disk
             session.close()
     for kept in session.opened:
-        typer.echo(f"{kept.folder}: {counted(kept.count, 'run')}")
+        typer.echo(f"{kept.folder}: {kept.told()}")
 
 
 def _refuse_of_the_other_kind(

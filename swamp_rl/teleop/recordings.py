@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.files import flush, os_error, validated
 from swamp_rl.names import file_in
@@ -104,6 +105,12 @@ class Recordings:
             if moved.exists() and not self._lists(moved.name):
                 moved.unlink()
         journal.remove()
+
+    def told(self) -> str:
+        """How many runs were kept, and how many are unfinished, in words."""
+        left = len(list(self.unfinished.glob("run-*.csv")))
+        unfinished = f", {counted(left, 'unfinished run')} to be stored at the next start" if left else ""
+        return f"{counted(self.count, 'run')}{unfinished}"
 
     def read(self, name: str) -> Run:
         """The run of that name; UserError if the dataset lists none."""

@@ -92,6 +92,18 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
     assert run.meta.outcome == "interrupted" and len(run.time) >= 8
 
 
+def test_a_recorder_interrupted_in_a_run_tells_of_it_at_its_end(tmp_path: Path) -> None:
+    folder, ended = tmp_path / "runs", []
+    with started(folder) as (process, _, address):
+        drive_for_rows(
+            address.split("/")[2],
+            folder / "unfinished" / "run-0001.csv",
+            3,
+            lambda: ended.append(stopped(process, signal.SIGINT)),
+        )
+    assert ended == [(0, f"{folder}: 0 runs, 1 unfinished run to be stored at the next start\n")]
+
+
 @pytest.mark.parametrize("first", [signal.SIGTERM, signal.SIGHUP], ids=["terminated", "terminal closed"])
 def test_a_recorder_told_twice_to_end_ends_in_order(tmp_path: Path, first: signal.Signals) -> None:
     folder = tmp_path / "runs"
@@ -146,7 +158,11 @@ def test_a_page_drives_a_served_vehicle_and_neither_its_end_nor_the_vehicles_goe
                 hear(socket, lambda message: message["type"] == "accepted")
                 vehicle.dead.clear()
                 push(socket, lambda seen: seen["phase"] == "run")
-            assert stopped(process, signal.SIGINT) == (0, f"{folder}: 1 run\n")
+            unfinished = ", 1 unfinished run to be stored at the next start"
+            ends = [
+                (0, f"{folder}: 1 run{more}\n") for more in ("", unfinished)
+            ]  # before its first row, or after
+            assert stopped(process, signal.SIGINT) in ends
         assert not any(module.runs(0) for module in vehicle.modules)
     dataset = read_dataset(folder)
     assert dataset.meta.source == "scripted" and vehicle.addresses.text in str(dataset.meta.notes)
