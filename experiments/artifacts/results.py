@@ -61,8 +61,8 @@ def data_results(dataset: Dataset) -> dict[str, Any]:
     good = dataset.successful
     if not good:
         raise UserError(
-            f"{dataset.folder}: no run is marked successful, and pilots are compared with such runs; mark "
-            "one, or import them with --outcome success"
+            f"{dataset.folder}: no run is marked successful, and pilots are compared with such runs; record "
+            "one that passes every gate, or import runs with --outcome success"
         )
     return {
         "source": dataset.meta.source,

@@ -148,7 +148,7 @@ function headline() {
       const end = home ? success(gates) : ENDS[frame.outcome] ?? frame.outcome;
       if (!scene.simulated) return [end, "The levers still drive the vehicle: bring it back, then keep or discard."];
       const from = gates.length > 1 ? "from gate to gate" : "from the first thrust";
-      return [end, home ? `${frame.run_time.toFixed(1)} s ${from}` : "Failed runs teach too."];
+      return [end, home ? `${frame.run_time.toFixed(1)} s ${from}` : "A failed run is kept as such; pilots learn from successful ones."];
     }
   }
 }
