@@ -20,6 +20,7 @@ import numba.extending
 import numpy as np
 from numba import config
 from numba.core import cgutils, event
+from numba.core.caching import UserProvidedCacheLocator
 from numba.core.registry import CPUDispatcher
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -42,7 +43,8 @@ IMPORT = re.compile(rb"^ *from swamp_rl([.\w]*) import (\([^)]*\)|.*)", re.MULTI
 
 
 def compiled_sources() -> list[Path]:
-    """Every source that compiles a function or uses the cache, and those that it imports from, in order.
+    """Every source that compiles a function or uses the cache, and those that it imports from, in the order
+    of their modules' names.
 
     A constant is compiled into the functions that name it, whether of their own module or imported.
     """
@@ -56,7 +58,18 @@ def compiled_sources() -> list[Path]:
         for module in _modules(text)
         for path in (library.joinpath(*module), envs.parent.joinpath(*module))
     }
-    return sorted({*users, *(path for path in imported if path.is_file())})
+    return sorted({*users, *(path for path in imported if path.is_file())}, key=_place)
+
+
+def _place(source: Path) -> tuple[str, ...]:
+    """Folders and name of a source of this package, the same in a checkout, where `envs` lies beside the
+    package, and in an installed one; empty for any other source.
+    """
+    library = Path(__file__).resolve().parents[1]
+    for top in (library, library.parent / "envs"):
+        if source.is_relative_to(top):
+            return (*(() if top == library else ("envs",)), *source.relative_to(top).parts)
+    return ()
 
 
 def _modules(text: bytes) -> set[tuple[str, ...]]:
@@ -128,6 +141,18 @@ def compiled(
     return cast(F, _kept(_Inside(function, {}, INSIDE | {"nopython": True, "no_cpython_wrapper": True}), ""))
 
 
+class _ByPlace(UserProvidedCacheLocator):
+    """Where numba keeps a function: by its module's place in this package, so that the same sources in
+    another folder are not compiled again.
+    """
+
+    @classmethod
+    def get_suitable_cache_subpath(cls, py_file: str) -> str:
+        """The folder of a source within the cache."""
+        place = _place(Path(py_file).resolve())
+        return os.path.join("own", *place[:-1]) if place else super().get_suitable_cache_subpath(py_file)
+
+
 class _Inside(CPUDispatcher):
     """A function as other compiled ones call it; Python calls another one, compiled when it first does.
 
@@ -152,12 +177,12 @@ def _kept(function: Any, part: str) -> Any:
     """The function, its machine code kept in that part of the cache: numba takes both kinds for the same."""
     if (folder := cache_folder()) is None:
         return function
-    before = config.CACHE_DIR
-    config.CACHE_DIR = str(folder / part)
+    before = config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES
+    config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES = str(folder / part), f"{__name__}.{_ByPlace.__name__}"
     try:
         function.enable_caching()
     finally:
-        config.CACHE_DIR = before
+        config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES = before
     return function
 
 

@@ -3,6 +3,7 @@
 import ast
 import importlib
 import os
+import shutil
 import stat
 from pathlib import Path
 from types import SimpleNamespace as Namespace
@@ -53,6 +54,28 @@ def test_a_source_that_no_compiled_one_imports_is_not_hashed(nested: Path) -> No
     for name in ("rows.py", "deeper/rows.py"):
         (nested.parents[1] / name).write_text("ROWS = 3\n")
     assert module.cache_folder.__wrapped__() == before
+
+
+def test_the_same_sources_installed_elsewhere_find_what_a_checkout_has_compiled(
+    nested: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    elsewhere = tmp_path / "site" / "swamp_rl"
+    kernel = "from swamp_rl.physics.compile import compiled\n\n\ndef one_more(x):\n    return x + 1.0\n"
+    (tmp_path / "envs" / "kernel.py").write_text(kernel)
+    shutil.copytree(tmp_path / "swamp_rl", elsewhere)
+    shutil.copytree(tmp_path / "envs", elsewhere / "envs")
+    found = []
+    for library, envs in ((tmp_path / "swamp_rl", tmp_path / "envs"), (elsewhere, elsewhere / "envs")):
+        names: dict[str, Any] = {"__name__": "swamp_rl.envs.kernel"}
+        exec(compile(kernel.partition("\n")[2], str(envs / "kernel.py"), "exec"), names)
+        with monkeypatch.context() as patch:
+            patch.setattr(module, "__file__", str(library / "physics" / "compile.py"))
+            patch.setattr(module, "cache_folder", module.cache_folder.__wrapped__)
+            function = module.compiled(entry=True)(names["one_more"])
+            assert function(1.0) == 2.0
+            found.append((module.cache_folder(), sum(function.stats.cache_hits.values())))
+    assert [hits for _, hits in found] == [0, 1]
+    assert found[0][0] == found[1][0]
 
 
 def test_every_constant_of_a_compiled_function_is_assigned_in_a_hashed_source() -> None:

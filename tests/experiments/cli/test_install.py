@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from swamp_rl.physics.compile import cache_folder
 from tests.support.patience import PATIENCE
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("install")]  # what they share is made once
@@ -49,6 +50,8 @@ class Stranger:
     def __init__(self, folder: Path, wheel: Path) -> None:
         self.home, self.bin = folder / "home", folder / "venv" / "bin"
         self.clean = {"PATH": os.environ["PATH"], "HOME": str(self.home), "PYTHONPATH": "."}
+        cache = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+        self.compiled = self.clean | {"XDG_CACHE_HOME": cache}  # what the tests compile is lent too
         venv.create(folder / "venv", with_pip=False)
         install = ["-m", "pip", "--python", str(self.bin / "python"), "install", "--no-deps", "--no-index"]
         self._run(sys.executable, *install, "--quiet", str(wheel), cwd=folder)
@@ -66,7 +69,7 @@ class Stranger:
         return self._run(str(self.bin / "swamp-rl"), *words)
 
     def error_of_a_terminal(self, *words: str) -> bytes:
-        """What a command writes to the error stream, where that is a terminal."""
+        """What a command writes to the error stream, where that is a terminal and no machine code is lent."""
         ours, theirs = pty.openpty()
         with os.fdopen(ours, "rb", 0) as said, os.fdopen(theirs, "wb", 0) as terminal:
             command = [str(self.bin / "swamp-rl"), *words]
@@ -78,7 +81,7 @@ class Stranger:
 
     def _run(self, *words: str, cwd: Path | None = None) -> str:
         done = subprocess.run(
-            words, cwd=cwd or self.home, env=self.clean, capture_output=True, text=True, timeout=PATIENCE
+            words, cwd=cwd or self.home, env=self.compiled, capture_output=True, text=True, timeout=PATIENCE
         )
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout
@@ -142,6 +145,11 @@ def test_beside_a_strangers_packages_the_wheels_own_are_imported(stranger: Stran
     ).splitlines()
     assert found[-1] == "True"
     assert len(found) == 4 and all(Path(file).is_relative_to(stranger.site) for file in found[:3])
+
+
+def test_the_wheel_and_the_checkout_it_was_built_from_have_the_same_machine_code(stranger: Stranger) -> None:
+    told = stranger.python("from swamp_rl.physics import compile; print(compile.cache_folder())")
+    assert told == f"{cache_folder()}\n"
 
 
 def test_the_first_use_says_at_a_terminal_that_it_compiles_and_the_second_does_not(
