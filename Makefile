@@ -9,7 +9,7 @@ BIN := $(VENV)/bin
 # The commands that the tests start read the compiled modules that the first of them leaves.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: run test test-kernels smoke docs setup clean
+.PHONY: run test types tests test-kernels smoke docs setup clean
 .DELETE_ON_ERROR:
 
 run: $(READY)
@@ -18,11 +18,17 @@ run: $(READY)
 test: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(MAKE) --jobs 2 types tests
+
+# Laid out as installed; a second check looks at what changed.
+types: $(READY)
 	rm -rf build/types && mkdir -p build/types/swamp_rl
 	ln -s $(CURDIR)/swamp_rl/* $(CURDIR)/envs $(CURDIR)/experiments build/types/swamp_rl/
 	ln -s $(CURDIR)/swamp_rl_command.py build/types/
 	cd build/types && $(CURDIR)/$(BIN)/mypy --config-file $(CURDIR)/pyproject.toml \
-	  --cache-dir $(CURDIR)/.mypy_cache # laid out as installed; a second check looks at what changed
+	  --cache-dir $(CURDIR)/.mypy_cache
+
+tests: $(READY)
 	$(BIN)/python -m pytest -n 3 --dist loadgroup # for two cores: one waits where two compute
 
 # A kernel that OpenBLAS does not choose by itself on this processor, for sums that end in other last bits.
