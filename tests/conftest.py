@@ -55,17 +55,19 @@ def _heed_signals() -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Have the second worker of the whole suite import the test modules from the last one on.
+    """Have each worker of the whole suite import the test modules from another one on.
 
-    What pytest compiles anew, with its assertions, it leaves on the disk: so each of two workers compiles
-    half of them. A module that fails is told of when it is collected.
+    What pytest compiles anew, with its assertions, it leaves on the disk: so each worker compiles its share.
+    A module that fails is told of when it is collected.
     """
     whole = session.config.args_source == pytest.Config.ArgsSource.TESTPATHS
-    if not whole or os.environ.get("PYTEST_XDIST_WORKER") != "gw1":
+    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
+    if not whole or worker == "0":
         return
     root = session.config.rootpath
-    files = [file for path in session.config.args for file in (root / path).rglob("test_*.py")]
-    for file in sorted(files, reverse=True):
+    files = [file for path in session.config.args for file in sorted((root / path).rglob("test_*.py"))]
+    first = int(worker) * len(files) // int(os.environ["PYTEST_XDIST_WORKER_COUNT"])
+    for file in files[first:] + files[:first]:
         with suppress(Exception, pytest.skip.Exception):
             importlib.import_module(".".join(file.relative_to(root).with_suffix("").parts))
 
