@@ -9,6 +9,7 @@ import pytest
 from tests.support import forks
 from tests.support.pages import ROOT, environment
 
+pytestmark = forks.GROUP
 SAYS = {  # what is printed when it worked
     "batch_of_boats": r"million boat-steps per second\nsuccess: \d+ of \d+ episodes",
     "cloning_and_evaluation": r"cloning, calm: (9\d|100)%.*\n.*\nreport: results/example_clone/report.md",

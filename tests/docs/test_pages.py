@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support import forks
 from tests.support.from_scratch import written
 from tests.support.pages import (
     LANGUAGES,
@@ -16,6 +17,7 @@ from tests.support.pages import (
     run_page,
 )
 
+pytestmark = forks.GROUP
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")])
 NOT_RUN = {  # blocks that no test can run: servers, hours, logs of others
     "README.md": 1,

@@ -18,7 +18,7 @@ from swamp_rl.effects import LIBRARY
 from tests.support import forks
 from tests.support.pages import ROOT, environment
 
-pytestmark = pytest.mark.xdist_group("site")  # what they share is made once
+pytestmark = forks.GROUP
 
 LOADING = {"script": "src", "link": "href", "img": "src", "iframe": "src", "source": "src", "video": "src"}
 FOREIGN = re.compile(r"(?:https?:)?//")

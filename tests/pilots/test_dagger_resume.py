@@ -8,6 +8,7 @@ import pytest
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.dagger import DaggerSettings
 from swamp_rl.pilots.dagger_checkpoint import load_rounds
+from tests.support import forks
 from tests.support.killed import KilledError, assert_same_weights, killed_training
 from tests.support.killed_dagger import trained
 
@@ -52,6 +53,7 @@ def test_broken_off_after_any_round_it_ends_with_the_same_bits_and_tells_every_r
     assert [path.name for path in tmp_path.iterdir()] == ["checkpoint"]
 
 
+@forks.GROUP
 @pytest.mark.timed
 def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
     kills, resumed = killed_training("dagger", tmp_path)

@@ -14,6 +14,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.pilots.network import NetworkPilot, layers_of
 from swamp_rl.pilots.ppo import PPOSettings, train_ppo
 from swamp_rl.pilots.scripted import ScriptedPilot
+from tests.support import forks
 from tests.support.killed import assert_same_weights, killed_training
 from tests.support.killed_ppo import trained
 
@@ -37,6 +38,7 @@ def clone(senses: tuple[str, ...] = CLONED, hidden: int = 64) -> NetworkPilot:
     return NetworkPilot("cloning", senses, scaling | layers)
 
 
+@forks.GROUP
 @pytest.mark.timed
 def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: Path) -> None:
     kills, resumed = killed_training("ppo", tmp_path)

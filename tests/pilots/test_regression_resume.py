@@ -9,6 +9,7 @@ import pytest
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.cloning import CloningSettings, fit_cloning
 from swamp_rl.pilots.gru import GRUSettings, fit_gru
+from tests.support import forks
 from tests.support.killed import KilledError, assert_same_weights, killed_training
 from tests.support.killed_clones import trained
 from tests.support.steering_runs import RUNS
@@ -87,6 +88,7 @@ def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path) -> None:
     assert "\n" not in str(told.value)
 
 
+@forks.GROUP
 @pytest.mark.timed
 def test_killed_at_random_instants_it_ends_with_the_same_bits(tmp_path: Path) -> None:
     kills, resumed = killed_training("clones", tmp_path)

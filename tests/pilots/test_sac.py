@@ -10,6 +10,7 @@ from swamp_rl.envs.sb3 import GatesVecEnv
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.sac import SACSettings, learner_of, pilot_of, train_sac
+from tests.support import forks
 from tests.support.killed import assert_same_weights, killed_training
 from tests.support.killed_sac import SETTINGS, trained
 
@@ -52,6 +53,7 @@ def test_a_training_without_a_checkpoint_writes_nothing(temporary: Path) -> None
     assert not list(temporary.iterdir())
 
 
+@forks.GROUP
 @pytest.mark.timed
 def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: Path) -> None:
     kills, resumed = killed_training("sac", tmp_path)

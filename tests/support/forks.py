@@ -22,6 +22,8 @@ from pathlib import Path
 from typing import IO
 from unittest.mock import patch
 
+import pytest
+
 from swamp_rl.boat import load_boat
 from swamp_rl.simulator.reference import reference_of
 from tests.support.patience import PATIENCE
@@ -42,6 +44,8 @@ LIBRARIES = (
     "torch._dynamo",  # a second that each training would take
 )
 SCRIPT, COMMAND = "script", "command"
+GROUP = pytest.mark.xdist_group("forks")
+"""Of all tests that run forks: one worker begins the process that is forked, 5 s of imports."""
 
 
 @cache

@@ -29,6 +29,7 @@ def stopped(*_: Any) -> None:
     raise KeyboardInterrupt
 
 
+@forks.GROUP
 def test_killed_at_any_instant_and_begun_again_it_ends_with_the_same_result(tmp_path: Path) -> None:
     write_tiny(tmp_path)
     words = [killed_experiment.__file__, str(tmp_path), "1"]
