@@ -55,18 +55,23 @@ def _heed_signals() -> None:
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Have each worker of the whole suite import the test modules from another one on.
+    """Have the first worker of the whole suite compile what nearly every test runs, and each of the others
+    import the test modules from another one on.
 
-    What pytest compiles anew, with its assertions, it leaves on the disk: so each worker compiles its share.
-    A module that fails is told of when it is collected.
+    Both are left on the disk, the modules as pytest compiles them, with their assertions: so everything is
+    compiled once. What fails is told of when it is collected or tested.
     """
     whole = session.config.args_source == pytest.Config.ArgsSource.TESTPATHS
-    worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
-    if not whole or worker == "0":
+    worker, count = (os.environ.get(f"PYTEST_XDIST_WORKER{name}", "") for name in ("", "_COUNT"))
+    if not whole or not worker:
+        return
+    if worker == "gw0":
+        with suppress(Exception):
+            importlib.import_module("tests.support.compiled_first").compile_first()
         return
     root = session.config.rootpath
     files = [file for path in session.config.args for file in sorted((root / path).rglob("test_*.py"))]
-    first = int(worker) * len(files) // int(os.environ["PYTEST_XDIST_WORKER_COUNT"])
+    first = (int(worker.removeprefix("gw")) - 1) * len(files) // (int(count) - 1)
     for file in files[first:] + files[:first]:
         with suppress(Exception, pytest.skip.Exception):
             importlib.import_module(".".join(file.relative_to(root).with_suffix("").parts))
