@@ -1,5 +1,6 @@
 """The designed trial: its limits, its expected evidence, and what it decides."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +15,7 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.diagnose import examine
 from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
-from swamp_rl.criticism.inference.trial_evidence import Explanation, Question, rate
+from swamp_rl.criticism.inference.trial_evidence import Explanation, Question, rate, separation
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
@@ -282,3 +283,12 @@ def test_a_standard_error_of_noise_free_runs_is_told_with_its_digits() -> None:
     narrows = Narrowed(effect="mass", parameter="mass", unit="kg", before=1.234e-6, after=1.16e-7)
     said = next_trial_sentences(NextTrial(**TOLD, narrows=narrows))
     assert "a standard error of 1.2e-07 kg expected, 1.2e-06 kg now" in said[1]
+
+
+def test_explanations_that_a_refit_makes_equal_are_not_separated_though_linearised_they_are() -> None:
+    wind = Hypothesis((by_label(candidates(BOAT, SECONDS))["wind"],))
+    loose = np.diag([0.01, 0.01])  # a standard deviation of 10 m/s
+    both = tuple(Explanation("wind", wind, np.array(x), loose) for x in ([1.0, 0.0], [7.0, 0.0]))
+    asked = Question(runs_of(ZIG_ZAG[None]), SIGMA, both)
+    assert math.sqrt(rate(asked, ZIG_ZAG[None], UNLIMITED).least[0]) > 10.0
+    assert separation(asked, ZIG_ZAG) == pytest.approx(0.6, abs=0.1)  # the prior's

@@ -1,5 +1,6 @@
 """Identifiability: indistinguishable hypotheses, what separates them, and effects hidden by model error."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -7,7 +8,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.sandwich_covariance import sensitivities
-from swamp_rl.criticism.inference.trial_evidence import Question, explanation_of, rate
+from swamp_rl.criticism.inference.trial_evidence import Question, explanation_of, rate, separation
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, noise_free
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
@@ -52,15 +53,22 @@ def refit(problem: Shooting, truth: Fit, other: Fit) -> float:
 
 
 def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: list[Fit]) -> Manoeuvre | None:
-    """The manoeuvre of greatest least distance between any two of the fits, in standard errors."""
+    """The manoeuvre of greatest least distance between any two of the fits, in standard errors; sought among
+    those whose linearised distance exceeds the best one's.
+    """
     if not rivals:
         return None
     names, commands = zip(*manoeuvres(run_set.boat, run_set.dt).items(), strict=True)
     explanations = tuple(explanation_of(one, one.covariance) for one in (winner, *rivals))
-    rated = rate(Question(run_set, sigmas, explanations), np.array(commands), UNLIMITED)
-    apart = np.sqrt(rated.least)
-    best = int(apart.argmax())
-    return Manoeuvre(manoeuvre=names[best], separation=float(apart[best]), duration_s=options().trial_seconds)
+    question = Question(run_set, sigmas, explanations)
+    linearised = np.sqrt(rate(question, np.array(commands), UNLIMITED).least)
+    best, apart = 0, -math.inf
+    for number in np.argsort(-linearised, kind="stable"):
+        if linearised[number] <= apart:
+            break
+        own = separation(question, commands[number])
+        best, apart = (number, own) if own > apart else (best, apart)
+    return Manoeuvre(manoeuvre=names[best], separation=apart, duration_s=options().trial_seconds)
 
 
 def hidden_effects(

@@ -1,7 +1,8 @@
 """Expected evidence of a trial that is yet to be sailed: between hypotheses, or about one parameter."""
 
 import math
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, field, replace
 from itertools import permutations
 
 import numpy as np
@@ -12,7 +13,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
-from swamp_rl.criticism.likelihood.output_error import Fit, inverse
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import window_lengths
 from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within
@@ -110,6 +111,41 @@ def rate(question: Question, commands: Array, limits: TrialLimits) -> Rated:
         evidence[a, b] = _distance(residual, answers[b], question.explanations[b], len(commands))
     steps = commands.shape[0] * commands.shape[1] * size + problem.boat_steps[0]
     return Rated(tracks, rows, evidence, steps)
+
+
+def separation(question: Question, commands: Array) -> float:
+    """Least distance [standard errors] of any two explanations in one trial from rest, bow to the north,
+    under commands (T, 2K): as `rate`, but with the other's initial states and parameters fitted to the
+    motion, which is not linear in them over a window of an unstable boat, or in a wind. 0 where a simulation
+    diverges.
+    """
+    problem = _problem(question, commands[None])
+    win, distances = problem.windows, list[float]()
+    for truth, other in permutations(question.explanations, 2):
+        states = np.nan_to_num(_track(question.run_set, truth, commands[None])[win.run, win.first])
+        ideal = copy(problem)
+        ideal.windows = replace(win, measured=problem.track(truth.hypothesis, truth.x, states))
+        known = _Known(other.hypothesis.instances, other.x, other.precision)
+        chi2 = fit(ideal, known, other.x, states).chi2
+        distances.append(max(chi2, 0.0) if math.isfinite(chi2) else 0.0)
+    return math.sqrt(min(distances))
+
+
+@dataclass(frozen=True)
+class _Known(Hypothesis):
+    """A hypothesis whose parameters have a Gaussian prior of mean (p,) and precision (p, p)."""
+
+    mean: Array = field(default_factory=lambda: np.zeros(0), compare=False)
+    precision: Array = field(default_factory=lambda: np.zeros((0, 0)), compare=False)
+
+    def prior(self) -> tuple[Array, Array]:
+        """(p,) mean and (p,) diagonal of the precision."""
+        return self.mean, np.diag(self.precision)
+
+    @property
+    def prior_precision(self) -> Array:
+        """(p, p) inverse covariance."""
+        return self.precision
 
 
 @dataclass(frozen=True)
