@@ -200,6 +200,8 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
             )
     if said := smoothed_sentence(found):
         yield f"  {said}"
+    for number, step in enumerate(found.next_steps, 1):
+        yield f"  next step {number}: {step}"
     for lack in found.missing_motion:
         yield f"  the runs lack {lack}"
 

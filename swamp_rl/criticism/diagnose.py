@@ -33,6 +33,7 @@ from swamp_rl.criticism.inference.force_regression import (
     without_process_noise,
 )
 from swamp_rl.criticism.inference.identifiability import contrast, hidden_effects, separating_manoeuvre
+from swamp_rl.criticism.inference.next_steps import next_steps
 from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
 from swamp_rl.criticism.inference.self_trial import TWINS, Each, Method, self_trial, serially
 from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
@@ -178,8 +179,10 @@ def examine(
         causes = causes_of(continuation.problem(found.stage, one.hypothesis), one)
         return contrast(judged, found.winner, one, apart, causes)
 
+    verdict, lacks = verdict_of(found, listed), missing_motion(run_set, other is not None)
+    told = extension.told if extension else None
     diagnosis = Diagnosis(
-        verdict=verdict_of(found, listed),
+        verdict=verdict,
         predictors=trivial_predictors(on.run_set, on.weight),
         causes=listed.causes,
         minor=listed.minor,
@@ -189,13 +192,14 @@ def examine(
         contrasts=[rival(one) for one in found.rivals],
         separating_trial=separating_manoeuvre(with_noise, sigmas, found.winner, found.rivals),
         leftover=leftover,
-        extension=extension.told if extension else None,
+        extension=told,
+        next_steps=next_steps(run_set.boat, leftover, told, lacks) if verdict == "unexplained" else [],
         candidates=_candidates(continuation, found, rng),
         hypotheses=sum(bool(one.hypothesis.instances) for one in found.tried),
         discrete=[one.hypothesis.label for one in found.tried if not one.hypothesis.size],
         unseen=[label for label in found.unidentifiable if label not in seen.union(hidden)],
         hidden=hidden,
-        missing_motion=missing_motion(run_set, other is not None),
+        missing_motion=lacks,
         gain=gains(on.run_set, on.weight, *judged_numbers(*predicting, on.runs, on.others), rng),
         gain_on="other_runs" if other else "same_run" if len(run_set.lengths) == 1 else "each_run_in_turn",
         noise=noise,

@@ -326,14 +326,15 @@ class Diagnosis(Part):
     largest first. minor: causes whose share is below 2 % and below the sensors' noise, or that are within the
     boat file's errors, which the verdict leaves out. hypotheses: how many sets of effects were fitted;
     discrete: those of them that have no number, as a swap of channels. nuisance: the hull's linear
-    derivatives where they had to be fitted beside a cause; correlation: of the errors of the parameters of
-    `causes`, then of `nuisance`, in their order; extension: the force that no named effect explains;
-    self_trial: how often the diagnosis finds its own answer again, none where it was not asked; noise:
-    standard deviation by channel (SI, rad); wandering: Gauss-Markov part of the noise by channel; smoothed:
-    channels that a filter smoothed; unseen: effects that are not identifiable from the data; hidden: those
-    that are, but not beside the model's own error; missing_motion: what to record so that they would be;
-    gain_on: the runs that the gain is measured on: each in turn, its parameters from the others, other runs
-    that were given, or the very run that the parameters are from.
+    derivatives, and the wind's coefficients, where they had to be fitted beside a cause; correlation: of the
+    errors of the parameters of `causes`, then of `nuisance`, in their order; extension: the force that no
+    named effect explains; next_steps: what to do where the verdict is `unexplained`; self_trial: how often
+    the diagnosis finds its own answer again, none where it was not asked; noise: standard deviation by
+    channel (SI, rad); wandering: Gauss-Markov part of the noise by channel; smoothed: channels that a filter
+    smoothed; unseen: effects that are not identifiable from the data; hidden: those that are, but not beside
+    the model's own error; missing_motion: what to record so that they would be; gain_on: the runs that the
+    gain is measured on: each in turn, its parameters from the others, other runs that were given, or the very
+    run that the parameters are from.
     """
 
     verdict: Verdict
@@ -350,6 +351,7 @@ class Diagnosis(Part):
     next_trial: NextTrial | None = None
     leftover: list[ResidualForce]
     extension: Extension | None = None
+    next_steps: list[str] = []
     candidates: list[Candidate]
     unseen: list[str]
     hidden: list[str] = []

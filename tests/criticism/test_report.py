@@ -363,3 +363,9 @@ def test_it_is_told_which_file_has_which_cause() -> None:
     assert "with no effect added" in each and "conditions/RUN.yaml of each run has wind" in each
     spoilt = LAG.model_copy(update={"carries_over": False})
     assert "no effect added" in files_sentence(diagnosis("cause", causes=[spoilt]))
+
+
+def test_the_page_lists_the_next_steps_below_the_residual_force() -> None:
+    found = diagnosis("unexplained", next_steps=["record the wind & more"])
+    assert "<ol><li>Record the wind &amp; more.</li></ol>" in residual_section(found, {})
+    assert "What to do next" not in residual_section(diagnosis("unexplained"), {})

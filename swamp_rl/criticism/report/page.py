@@ -151,9 +151,10 @@ def causes_section(found: Diagnosis, run_set: RunSet) -> str:
     rows = cause_rows(found.causes, run_set.boat)
     note = ""
     if found.nuisance:
+        names = readable(" + ".join(cause.label for cause in found.nuisance)).capitalize()
         note = (
-            "<p>The hull's linear coefficients were fitted together with it, with a prior about the boat "
-            "file; <code>diagnosis.json</code> has them as <code>nuisance</code>.</p>"
+            f"<p>{html.escape(names)} were fitted together with it, with a prior about the boat file; "
+            "<code>diagnosis.json</code> has them as <code>nuisance</code>.</p>"
         )
     if found.verdict == "unexplained":
         note += (
@@ -235,6 +236,8 @@ def residual_section(found: Diagnosis, images: Mapping[str, str]) -> str:
     heads = ("residual force", "function of", "variance explained on held-out runs")
     said = f"<h2>Residual forces</h2><p>{html.escape(rest_sentence(found))}</p>"
     said += table(heads, rows, numbers=(2,)) if rows else ""
+    steps = "".join(f"<li>{html.escape(one[0].upper() + one[1:])}.</li>" for one in found.next_steps)
+    said += f"<p>What to do next:</p><ol>{steps}</ol>" if steps else ""
     if "missing" in images:
         said += f"<p>{html.escape(shape_sentence(found))}</p>" + image(images["missing"], "Missing force")
     return said

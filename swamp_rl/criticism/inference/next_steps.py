@@ -1,0 +1,60 @@
+"""What to do where no set of effects explains the runs, in plain words."""
+
+from collections.abc import Sequence
+
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.result import Extension, ResidualForce
+
+EARTH = "heading", "position north", "position east", "time"
+HULL = "speed", "surge", "sway", "yaw rate"
+ACTION = (
+    "something fixed to the earth or in time, such as wind, current, waves or a line: record the wind "
+    "(columns wind_speed and wind_from), and the same manoeuvre again elsewhere and at another time"
+)
+RESISTANCE = (
+    "the hull: record straight runs at several speeds, coasting without thrust, and circles of two sizes to "
+    "either side"
+)
+THRUST = (
+    "the thrusters: record straight runs at several throttles, each thruster alone, and a bollard pull; "
+    "check the logged commands with swamp-rl runs doctor"
+)
+
+
+def next_steps(
+    boat: Boat, leftover: Sequence[ResidualForce], extension: Extension | None, missing_motion: Sequence[str]
+) -> list[str]:
+    """Of an unexplained model error, what helps most first.
+
+    leftover, extension: of the diagnosis; missing_motion: what the runs lack.
+    """
+    steps = []
+    if not any(one.provenance == "fitted" for one in boat.provenance.values()):
+        steps.append(
+            "fit the numbers of the boat file to these runs, then diagnose others with the fitted file: "
+            "swamp-rl identify boat. No number of this file was fitted to runs: many may be wrong at once, "
+            "where a diagnosis adds three effects at most"
+        )
+    if leftover:
+        steps.append(
+            f"the missing force depends on {leftover[0].variable}, which suggests {_origin(leftover[0])}"
+        )
+    else:
+        steps.append(
+            "the missing force depends on no single variable: record each manoeuvre twice. What repeats is "
+            "the boat's, what differs is the weather's"
+        )
+    if extension and extension.written:
+        steps.append(
+            "extended_boat.yaml has the missing force: simulate with it within the range of these runs"
+        )
+    if missing_motion:
+        steps.append("record what these runs lack: see the limits of the data")
+    return steps
+
+
+def _origin(left: ResidualForce) -> str:
+    """What a residual force comes from, by the variable that it depends on."""
+    if left.variable in EARTH:
+        return ACTION
+    return RESISTANCE if left.variable in HULL and not left.force.startswith("thrust of") else THRUST
