@@ -71,7 +71,8 @@ class Effect:
     thrusters at once. alone_equals: what it is called on a boat with one thruster. contains:
     effects that are this one with some of its parameters equal or neutral, and so no rivals of it. sudden:
     may begin while the boat sails, so that a live monitor looks for its onset. battery: acts through the
-    charge of the boat's battery, which the episodes of an environment alone count.
+    charge of the boat's battery, which the episodes of an environment alone count. beside: an effect without
+    which it changes nothing.
     """
 
     name: str
@@ -96,6 +97,7 @@ class Effect:
     contains: tuple[str, ...] = ()
     sudden: bool = False
     battery: bool = False
+    beside: str = ""
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; KeyError if there is none."""

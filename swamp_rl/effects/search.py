@@ -78,7 +78,8 @@ class Search:
 
     scale: a typical size; low, high: bounds; starts: where fits begin, none: at the boat file's own number;
     step: of the finite difference, None: 1e-6 scales; prior: standard deviation of a Gaussian prior about the
-    neutral value, for numbers that no boat file has exactly.
+    neutral value, for numbers that no boat file has exactly, or the numbers of the boat file whose `sd` it is
+    made of: that of the first, and its product with the relative ones of the others.
     """
 
     scale: float
@@ -87,4 +88,4 @@ class Search:
     starts: tuple[float, ...] = ()
     of: Quantity = "one"
     step: float | None = None
-    prior: float | None = None
+    prior: float | tuple[str, ...] | None = None

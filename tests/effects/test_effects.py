@@ -70,6 +70,7 @@ def test_the_library_has_the_projects_vocabulary() -> None:
         "sway_drag": ("scale",),
         "yaw_damping": ("scale",),
         "hull_coefficients": ("x_vr", "y_v", "y_r", "n_v", "n_r"),
+        "wind_coefficients": ("c_x", "c_y", "lateral_centre", "c_n"),
         "hull_asymmetry": ("yaw_moment",),
         "heading_bias": ("bias",),
         "position_delay": ("delay",),

@@ -35,9 +35,10 @@ from tests.support.effects import (
     "name", [name for name, effect in LIBRARY.items() if effect.needs != "rudder" and not effect.battery]
 )
 def test_every_effect_of_the_library_changes_what_is_measured(name: str) -> None:
-    without = observe(track(lively())[None], record(), DT)
-    params = record({"effect": name} | STRONG[name])
-    with_effect = observe(track(lively(), {"effect": name} | STRONG[name])[None], params, DT)
+    beside = [{"effect": one} | STRONG[one] for one in (LIBRARY[name].beside,) if one]
+    own = {"effect": name} | STRONG[name]
+    without = observe(track(lively(), *beside)[None], record(), DT)
+    with_effect = observe(track(lively(), *beside, own)[None], record(own), DT)
     assert np.abs(with_effect - without).max() > 0.02
 
 

@@ -57,6 +57,7 @@ STRONG: dict[str, dict[str, Any]] = {  # every effect far enough from neutral fo
     "hull_coefficients": {"y_v": 1.3},
     "demihull_spacing": {"spacing": 0.8},
     "hull_asymmetry": {"yaw_moment": 3.0},
+    "wind_coefficients": {"c_x": 1.4, "c_y": 1.8, "lateral_centre": 0.3, "c_n": 0.1},
     "external_force": {"north": 2.0},
     "heading_bias": {"bias": 0.1},
     "position_delay": {"delay": 0.35},

@@ -36,8 +36,9 @@ class Fit:
         return float(self.loss.sum()) + self.penalty
 
     def parts(self, but: str = "") -> list[tuple[EffectInstance, Array]]:
-        """Each effect with its parameters, but the one of that label."""
-        return [(one, x) for one, x in self.hypothesis.parts(self.x) if one.label != but]
+        """Each effect with its parameters, but the one of that label and what changes nothing without it."""
+        kept = self.hypothesis.without(but).instances
+        return [(one, x) for one, x in self.hypothesis.parts(self.x) if one in kept]
 
     @property
     def covariance(self) -> Array:

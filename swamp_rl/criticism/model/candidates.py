@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from swamp_rl.angles import within_half_turn
 from swamp_rl.boat import Boat
 from swamp_rl.boat.applicable import able
+from swamp_rl.boat.quantity import value_at
 from swamp_rl.criticism.options import options
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry, Parameter, Reference, apply_effects
 from swamp_rl.effects.curve import Curve
@@ -182,8 +183,13 @@ class Hypothesis:
         return x
 
     def without(self, label: str) -> "Hypothesis":
-        """This hypothesis less the effect of that label."""
-        return Hypothesis(tuple(instance for instance in self.instances if instance.label != label))
+        """This hypothesis less the effect of that label, and less what changes nothing without it."""
+        rest = Hypothesis(tuple(instance for instance in self.instances if instance.label != label))
+        return Hypothesis(tuple(instance for instance in rest.instances if rest.is_beside(instance)))
+
+    def is_beside(self, instance: EffectInstance) -> bool:
+        """Whether it has the effect without which the instance changes nothing, if there is one."""
+        return instance.effect.beside in ("", *(one.effect.name for one in self.instances))
 
     def bounds(self) -> tuple[Array, Array]:
         """(p,) lower and (p,) upper bounds."""
@@ -311,7 +317,23 @@ def spec_of(effect: Effect, parameter: Parameter, boat: Boat, reference: Referen
         starts, low, high = (own,), min(low, own), max(high, own)
     difference = 1e-6 * scale if search.step is None else search.step * unit
     is_time = parameter.unit == "s" and search.step is not None
-    return Spec(scale, low, high, starts, difference, search.prior, is_time=is_time)
+    if search.prior is None:
+        return Spec(scale, low, high, starts, difference, is_time=is_time)
+    prior, mean = prior_deviation(search.prior, boat), neutral_of(parameter, boat)
+    return Spec(scale, low, high, starts, difference, prior, mean, is_time)
+
+
+def prior_deviation(prior: float | tuple[str, ...], boat: Boat) -> float | None:
+    """Standard deviation of a prior: σ² = σ₁² + x₁² Σ (σᵢ / xᵢ)² where numbers of the boat file make it; None
+    where the file gives none of these a standard deviation.
+    """
+    if not isinstance(prior, tuple):
+        return prior
+    first, *others = (float(value_at(boat, key.split("."))) for key in prior)
+    deviations = [given.sd if (given := boat.provenance.get(key)) else None for key in prior]
+    own, *more = (float(one) if isinstance(one, float | int) else 0.0 for one in deviations)
+    shares = [sd / value for sd, value in zip(more, others, strict=True) if value]
+    return math.hypot(own, *(first * share for share in shares)) or None
 
 
 def neutral_of(parameter: Parameter, boat: Boat) -> float:
@@ -335,8 +357,15 @@ def selectors(effect: Effect, boat: Boat) -> list[tuple[str, ...]]:
 
 def hull_nuisance(boat: Boat) -> EffectInstance | None:
     """Scales of the hull's linear derivatives, with a Gaussian prior about 1; None without such an effect."""
-    effect = next((effect for effect in LIBRARY.values() if effect.nuisance), None)
-    return instances_of(effect, boat)[0] if effect else None
+    return next((one for one in nuisances(boat) if not one.effect.beside), None)
+
+
+def nuisances(boat: Boat) -> list[EffectInstance]:
+    """Effects on numbers that no boat file has exactly; those whose priors the boat file determines only
+    where it gives all of them a standard deviation.
+    """
+    every = [one for effect in LIBRARY.values() if effect.nuisance for one in instances_of(effect, boat)]
+    return [one for one in every if all(spec.prior for spec in one.specs)]
 
 
 def by_label(instances: Sequence[EffectInstance]) -> Mapping[str, EffectInstance]:

@@ -286,7 +286,7 @@ def alternatives_to_nuisance(
         for nuisance, own in best.parts()
         if not nuisance.groups
         for parameter, spec, value in zip(nuisance.effect.parameters, nuisance.specs, own, strict=True)
-        if spec.prior is not None and abs(value - 1.0) > options().nuisance_limit * spec.prior
+        if spec.prior is not None and abs(value - spec.mean) > options().nuisance_limit * spec.prior
     }
     if not far:
         return []

@@ -15,7 +15,13 @@ from swamp_rl.criticism.likelihood.discretisation import discretisation_errors
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, candidates, hull_nuisance
+from swamp_rl.criticism.model.candidates import (
+    EffectInstance,
+    Hypothesis,
+    candidates,
+    hull_nuisance,
+    nuisances,
+)
 from swamp_rl.criticism.nuisance.process_noise import measurement_noise_gain, process_noise_gain
 from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.options import options
@@ -318,8 +324,8 @@ def _gauss_markov_noise(problem: Shooting, at: Fit) -> Array:
 @dataclass(frozen=True)
 class Preparation:
     """smoothed: channels that a filter smoothed; sigmas: (6,) standard deviations that channels are weighted
-    by, NaN where nothing was measured; weight: (R, T, 6); instances: the candidates; hull: the hull's
-    derivatives, a nuisance.
+    by, NaN where nothing was measured; weight: (R, T, 6); instances: the candidates, and what is a nuisance
+    beside one of them alone; hull: the hull's derivatives, a nuisance.
     """
 
     smoothed: dict[str, SmoothedNoise]
@@ -336,11 +342,12 @@ def prepared(run_set: RunSet) -> Preparation:
     sigmas = np.hypot(sigmas, discretisation_errors(run_set, weights(run_set, sigmas)))
     duration = float(run_set.lengths.max() * run_set.dt)
     every = candidates(run_set.boat, duration, run_set.groups)
+    beside = [one for one in nuisances(run_set.boat) if one.effect.beside]
     return Preparation(
         smoothed,
         sigmas,
         weights(run_set, sigmas),
-        [one for one in every if not _is_measured(one, run_set)],
+        [*(one for one in every if not _is_measured(one, run_set)), *beside],
         hull_nuisance(run_set.boat),
     )
 

@@ -36,11 +36,14 @@ class ScoreTest:
 
 
 def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
-    """Score tests of every effect beside `at`, least expected chi2 first."""
+    """Score tests of every effect beside `at`, least expected chi2 first; of none that changes nothing there
+    for want of another.
+    """
     own = {instance.label for instance in at.hypothesis.instances}
+    instances = [one for one in instances if one.label not in own and at.hypothesis.is_beside(one)]
     base = problem.track(at.hypothesis, at.x, at.states)
     by_x = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
-    added = [_Added(problem, at, instance, by_x) for instance in instances if instance.label not in own]
+    added = [_Added(problem, at, instance, by_x) for instance in instances]
     return sorted(map(_score_test, added), key=lambda one: one.expected_chi2)
 
 

@@ -141,6 +141,7 @@ def _forward_selection(
         discrete = [one for one in likely[options().shortlist :] if not one.instance.size and not singles]
         likely = [*likely[: options().shortlist], *discrete]
         made = [continuation.fit(0, one.hypothesis, one.x, at.states) for one in likely]
+        made = [_with_its_nuisance(continuation, one, instances) for one in made]
         singles = singles or made
         confirmed_fits = [
             one
@@ -152,6 +153,18 @@ def _forward_selection(
         best = min(confirmed_fits, key=lambda one: _held_out_loss(continuation, one))
         at = _simplest(continuation, best, confirmed_fits)
     return at, first, singles
+
+
+def _with_its_nuisance(continuation: Continuation, one: Fit, instances: Sequence[EffectInstance]) -> Fit:
+    """The fit, or one with what is a nuisance beside its effects alone, whichever has the lower criterion:
+    step by step, an effect of exact numbers would come before one of guessed numbers.
+    """
+    beside = [each for each in instances if each.effect.beside]
+    for score in score_tests(continuation.problems[0], one, beside):
+        if score.information >= options().least_information:
+            made = continuation.fit(0, score.hypothesis, score.x, score.states)
+            one = min(one, made, key=continuation.criterion)
+    return one
 
 
 def _is_likely(problem: Shooting, whole: Fit, less: Fit, instance: EffectInstance, tests: RatioTests) -> bool:

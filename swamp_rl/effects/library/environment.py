@@ -82,6 +82,39 @@ declare(
 )
 
 declare(
+    "wind_coefficients",
+    Parameter(
+        "c_x",
+        "1",
+        None,
+        "air_c_x",
+        low=0.0,
+        search=Search(0.2, 0.0, 5.0, prior=("wind.c_x", "wind.frontal_area")),
+    ),
+    Parameter(
+        "c_y",
+        "1",
+        None,
+        "air_c_y",
+        low=0.0,
+        search=Search(0.2, 0.0, 5.0, prior=("wind.c_y", "wind.lateral_area")),
+    ),
+    Parameter(
+        "lateral_centre",
+        "m",
+        None,
+        "air_lateral_centre",
+        search=Search(0.1, -0.5, 0.5, of="length", prior=("wind.lateral_centre",)),
+    ),
+    Parameter("c_n", "1", None, "air_c_n", search=Search(0.15, -0.5, 1.0, prior=("wind.c_n",))),
+    acts_on="force",
+    combine="replace",
+    description="the wind's force coefficients, on the boat file's areas, and the lever of its sway force",
+    source="thesis 8.17 to 8.19; a boat file from main dimensions has them by analogy",
+    beside="wind",
+)
+
+declare(
     "gusts",
     Parameter("speed_std", "m/s", 0.0, "gust_speed_std", low=0.0, high=FASTEST_AIR),
     Parameter("direction_std", "rad", 0.0, "gust_direction_std", low=0.0, high=math.pi, limit="radians"),
