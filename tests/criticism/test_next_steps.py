@@ -1,12 +1,14 @@
 """What to do next where no set of effects explains the runs."""
 
+from typing import Any
+
 import pytest
 import yaml
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.estimate import boat_file
 from swamp_rl.criticism.inference.next_steps import next_steps
-from swamp_rl.criticism.result import ResidualForce
+from swamp_rl.criticism.result import Extension, ForceCurve, HeldOut, ResidualForce
 
 FITTED = load_boat("esso_osaka")
 
@@ -36,8 +38,8 @@ def test_a_boat_file_of_no_fitted_number_is_to_be_identified_first(estimated: Bo
         ("heading", "yaw", "record the wind"),
         ("time", "north", "record the wind"),
         ("yaw rate", "yaw", "circles of two sizes"),
-        ("speed", "thrust of bs", "bollard pull"),
-        ("throttle bs", "surge", "bollard pull"),
+        ("speed", "thrust of bs", "limits of throttle, azimuth and rudder"),
+        ("throttle bs", "surge", "limits of throttle, azimuth and rudder"),
     ],
 )
 def test_the_variable_of_the_missing_force_says_what_to_record(
@@ -50,3 +52,16 @@ def test_the_variable_of_the_missing_force_says_what_to_record(
 def test_without_a_variable_repeated_manoeuvres_tell_the_boat_from_the_weather() -> None:
     (step, lack) = next_steps(FITTED, [], None, ["a second speed"])
     assert "record each manoeuvre twice" in step and "what these runs lack" in lack
+
+
+def test_functions_of_the_missing_force_have_a_step_for_each_origin() -> None:
+    numbers: dict[str, Any] = {"knots": [0.0, 1.0], "values": [0.0, 1.0], "standard_errors": [0.1, 0.1]}
+    curves = [
+        ForceCurve(component="yaw", covariate=name, units=["N m"], **numbers, **more)
+        for name, more in (("azimuth", {"thruster": "main"}), ("yaw_rate", {}), ("sway", {}))
+    ]
+    found = Extension(curves=curves, held_out=HeldOut(gain=9.0, low=1.0, level=0.05), written=True)
+    thrusters, hull, extended = next_steps(FITTED, left("heading"), found, [])
+    assert thrusters.startswith("the missing force depends on azimuth, which suggests the thrusters")
+    assert hull.startswith("the missing force depends on yaw rate and sway, which suggests the hull")
+    assert extended.startswith("extended_boat.yaml has the missing force")

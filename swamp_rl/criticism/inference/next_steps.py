@@ -16,8 +16,8 @@ RESISTANCE = (
     "either side"
 )
 THRUST = (
-    "the thrusters: record straight runs at several throttles, each thruster alone, and a bollard pull; "
-    "check the logged commands with swamp-rl runs doctor"
+    "the thrusters: compare the limits of throttle, azimuth and rudder in the boat file with the boat's, "
+    "check the logged commands with swamp-rl runs doctor, and record straight runs at several throttles"
 )
 
 
@@ -35,11 +35,13 @@ def next_steps(
             "swamp-rl identify boat. No number of this file was fitted to runs: many may be wrong at once, "
             "where a diagnosis adds three effects at most"
         )
-    if leftover:
-        steps.append(
-            f"the missing force depends on {leftover[0].variable}, which suggests {_origin(leftover[0])}"
-        )
-    else:
+    origins: dict[str, list[str]] = {}
+    for force, variable in _dependences(leftover, extension):
+        origins.setdefault(_origin(force, variable), []).append(variable)
+    for origin, variables in origins.items():
+        names = " and ".join(dict.fromkeys(variables))
+        steps.append(f"the missing force depends on {names}, which suggests {origin}")
+    if not origins:
         steps.append(
             "the missing force depends on no single variable: record each manoeuvre twice. What repeats is "
             "the boat's, what differs is the weather's"
@@ -53,8 +55,15 @@ def next_steps(
     return steps
 
 
-def _origin(left: ResidualForce) -> str:
-    """What a residual force comes from, by the variable that it depends on."""
-    if left.variable in EARTH:
+def _dependences(leftover: Sequence[ResidualForce], extension: Extension | None) -> list[tuple[str, str]]:
+    """Each force and the variable that it depends on: of the extension, or else the largest residual's."""
+    if extension:
+        return [(one.component, one.covariate.replace("_", " ")) for one in extension.curves]
+    return [(one.force, one.variable) for one in leftover[:1]]
+
+
+def _origin(force: str, variable: str) -> str:
+    """What a force comes from, by the variable that it depends on."""
+    if variable in EARTH:
         return ACTION
-    return RESISTANCE if left.variable in HULL and not left.force.startswith("thrust of") else THRUST
+    return RESISTANCE if variable in HULL and not force.startswith("thrust") else THRUST
