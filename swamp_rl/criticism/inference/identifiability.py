@@ -1,6 +1,5 @@
 """Identifiability: indistinguishable hypotheses, what separates them, and effects hidden by model error."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -61,12 +60,12 @@ def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: li
     names, commands = zip(*manoeuvres(run_set.boat, run_set.dt).items(), strict=True)
     explanations = tuple(explanation_of(one, one.covariance) for one in (winner, *rivals))
     question = Question(run_set, sigmas, explanations)
-    linearised = np.sqrt(rate(question, np.array(commands), UNLIMITED).least)
-    best, apart = 0, -math.inf
+    rated = rate(question, np.array(commands), UNLIMITED)
+    linearised, best, apart = np.sqrt(rated.least), 0, 0.0
     for number in np.argsort(-linearised, kind="stable"):
         if linearised[number] <= apart:
             break
-        own = separation(question, commands[number])
+        own = separation(question, commands[number], rated.evidence[..., number], apart)
         best, apart = (number, own) if own > apart else (best, apart)
     return Manoeuvre(manoeuvre=names[best], separation=apart, duration_s=options().trial_seconds)
 

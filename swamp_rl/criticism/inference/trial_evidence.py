@@ -113,22 +113,29 @@ def rate(question: Question, commands: Array, limits: TrialLimits) -> Rated:
     return Rated(tracks, rows, evidence, steps)
 
 
-def separation(question: Question, commands: Array) -> float:
+def separation(question: Question, commands: Array, linearised: Array, enough: float = 0.0) -> float:
     """Least distance [standard errors] of any two explanations in one trial from rest, bow to the north,
     under commands (T, 2K): as `rate`, but with the other's initial states and parameters fitted to the
     motion, which is not linear in them over a window of an unstable boat, or in a wind. 0 where a simulation
     diverges.
+
+    linearised: (H, H) evidence of that trial by `rate`, from which on a pair is not fitted if another is
+    nearer; enough: distance at or below which the least of all is not sought.
     """
     problem = _problem(question, commands[None])
-    win, distances = problem.windows, list[float]()
-    for truth, other in permutations(question.explanations, 2):
+    win, least = problem.windows, math.inf
+    pairs = permutations(range(len(question.explanations)), 2)
+    for a, b in sorted(pairs, key=lambda pair: float(linearised[pair])):
+        if linearised[a, b] >= least or least <= enough**2:
+            break
+        truth, other = question.explanations[a], question.explanations[b]
         states = np.nan_to_num(_track(question.run_set, truth, commands[None])[win.run, win.first])
         ideal = copy(problem)
         ideal.windows = replace(win, measured=problem.track(truth.hypothesis, truth.x, states))
         known = _Known(other.hypothesis.instances, other.x, other.precision)
         chi2 = fit(ideal, known, other.x, states).chi2
-        distances.append(max(chi2, 0.0) if math.isfinite(chi2) else 0.0)
-    return math.sqrt(min(distances))
+        least = min(least, max(chi2, 0.0) if math.isfinite(chi2) else 0.0)
+    return math.sqrt(least)
 
 
 @dataclass(frozen=True)
