@@ -131,8 +131,9 @@ def failure_start(added: _Added) -> float:
 
 
 def nearer_states(problem: Shooting, hypothesis: Hypothesis, x: Array, at: Fit) -> tuple[Array, Array]:
-    """States (W, 6) and residual (W, M) under a large jump, such as a failure, at x (p,): of each window the
-    fit's or the measured ones, whichever leave less: the fit may have bent its own for want of the jump.
+    """States (W, 6) and residual (W, M) under a large jump, such as a failure or a swap, at x (p,): of each
+    window the fit's or the measured ones, whichever leave less: the fit may have bent its own for want of the
+    jump, so far that the simulation diverges.
     """
     states, residual = at.states, problem.residuals(problem.track(hypothesis, x, at.states))
     if at.chi2 < options().large_chi2 * problem.samples:
@@ -140,7 +141,8 @@ def nearer_states(problem: Shooting, hypothesis: Hypothesis, x: Array, at: Fit) 
     measured = problem.initial_states()
     other = problem.residuals(problem.track(hypothesis, x, measured))
     none = np.zeros((*residual.shape, 0))
-    own, others = (normal_equations(at.states_jacobian, none, r).profile_chi2 for r in (residual, other))
+    left = (normal_equations(at.states_jacobian, none, r).profile_chi2 for r in (residual, other))
+    own, others = (np.where(np.isfinite(one), one, np.inf) for one in left)
     nearer = (others < own)[:, None]
     return np.where(nearer, measured, states), np.where(nearer, other, residual)
 
@@ -193,12 +195,12 @@ def _profile_chi2(at: Fit, by_x: Array, residual: Array) -> float:
 def _score_step(added: _Added, start: Array) -> ScoreTest:
     problem, at, hypothesis, place = added.problem, added.at, added.hypothesis, added.place
     (x,) = added.x(start[None])
-    jump = added.instance.effect.begin == "changepoint"
+    jump = added.instance.effect.begin == "changepoint" or not len(start)
     states = nearer_states(problem, hypothesis, x, at)[0] if jump else at.states
     base = problem.track(hypothesis, x, states)
     residual = problem.residuals(base)
     if not len(start) and at.chi2 > options().large_chi2 * problem.samples:  # a large jump
-        states, _, residual = fit_states(problem, hypothesis, x, at.states, options().score_rounds)
+        states, _, residual = fit_states(problem, hypothesis, x, states, options().score_rounds)
     slopes = np.zeros((*residual.shape, len(place)))
     slopes[..., ~place] = added.by_x
     slopes[..., place] = problem.parameter_jacobian(hypothesis, x, states, base, place)
