@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.hypothesis import FreeBoat
 from swamp_rl.constants import Z95
+from swamp_rl.criticism.data.measurement_noise import noise_floor
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import (
@@ -156,14 +157,14 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
     """The numbers fitted to runs in windows of `window_length`, from x (p,) or the start file, whichever is
     likelier: a fit ends no farther from the runs than the file that it is given.
 
-    Weights of the windows: the residual's standard deviation by channel, its integrated autocorrelation
-    time, so that the likelihood counts independent samples beside the prior, and Huber's weight of each
-    window. Windows in which the boat of x, or of a later one (`sound_fit`), diverges are left out. weight:
+    Weights of the windows: the residual's standard deviation by channel, at least `noise_floor` (that of a
+    simulator's output is the error of the integration), its integrated autocorrelation time, so that the
+    likelihood counts independent samples beside the prior, and Huber's weight of each window. Windows in which the boat of x, or of a later one (`sound_fit`), diverges are left out. weight:
     (R, T, 6) by the measurement noise.
     """
     boat = run_set.boat
     seconds, soft = window_length(boat), soft_weights(weight, boat)
-    seen = weight > 0
+    seen, least = weight > 0, noise_floor(boat)
     sigma = 1.0 / np.maximum(soft.max(axis=(0, 1)), 1e-12)
     problem = Shooting(run_set, seen / sigma, seconds)
     x, states, residual = likeliest(problem, hypothesis, (x, hypothesis.prior()[0]))
@@ -192,7 +193,7 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
         x, states = made.x, made.states
         samples = correlation_samples(problem.windows.by_channel(made.residual))
         rms, trust = reweighted(problem, made, trust)
-        sigma = sigma * rms
+        sigma = np.maximum(sigma * rms, least)
     sigma = sigma * np.sqrt(lost_freedom(problem, made, samples))
     for steps in (STEPS, LAST_STEPS):
         problem, made = fitted(sigma * np.sqrt(samples), made.x, made.states, steps, fresh=True)

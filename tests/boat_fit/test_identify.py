@@ -83,6 +83,16 @@ def test_a_hidden_boat_is_found_within_its_intervals(tmp_path: Path) -> None:
     assert found["effects.thruster_efficiency_curve.at_100.starboard"].shown
 
 
+def test_runs_without_noise_leave_the_common_factor_of_mass_and_forces_to_its_prior(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, "extends: twin.yaml\nname: hidden\nhull: {n_r: -0.11}\n", count=1, noise=0.0)
+    numbers = free_numbers(runs.boat)
+    hypothesis = free_boat(runs.boat, numbers, 0)
+    made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
+    mass = by_name(numbers_of(made))["mass"]
+    assert abs(mass.x) < 2.0 * mass.sd
+    assert mass.sd > 0.3 * mass.number.sd
+
+
 def test_a_thruster_that_was_idle_gets_the_thrust_of_its_equal(tmp_path: Path) -> None:
     both = "thrusters: {port: {thrust_quadratic: 6.0}, starboard: {thrust_quadratic: 6.0}}\n"
     truth, start = hidden(tmp_path, "extends: twin.yaml\nname: hidden\n" + both), tmp_path / "twin.yaml"

@@ -40,9 +40,10 @@ def sailed_dataset(
     seconds: float = 60.0,
     low: float = -1.0,
     idle: Collection[str] = (),
+    noise: float = 1.0,
 ) -> Path:
     """A dataset of runs that `truth` sailed, which names the file `start` as its boat; idle: thrusters that
-    are not commanded.
+    are not commanded; noise: of the sensors, over NOISE.
     """
     rng = np.random.default_rng(seed)
     rows = int(seconds / RATE)
@@ -58,7 +59,7 @@ def sailed_dataset(
         record = parameters(truth)
         begin = initial_state(record, np.zeros((1, 3)))
         track = simulate(record, tank(truth), begin, commands[None], np.zeros(1, np.uint64), RATE, 1)
-        measured = observe(track, record, RATE)[0, :rows] + NOISE * rng.standard_normal((rows, 6))
+        measured = observe(track, record, RATE)[0, :rows] + noise * NOISE * rng.standard_normal((rows, 6))
         measured[:, 2] = np.pi - np.mod(np.pi - measured[:, 2], 2.0 * np.pi)
         names = ("north", "east", "heading", "surge", "sway", "yaw_rate")
         columns = {"time": RATE * np.arange(rows), **dict(zip(names, measured.T, strict=True))}
