@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-FAR = 6.0  # prior widths to either side that a fit may move a number
+FARTHEST = 6.0  # prior widths to either side that a fit may move a number
 # prior widths, of a finite difference; wide, since forces that jump, where a propeller's flow turns, make
 # slopes over narrow ones meaningless
 STEP = 3e-3
@@ -51,7 +51,7 @@ class Number:
     @property
     def bounds(self) -> tuple[float, float]:
         """Of x."""
-        room = FAR * self.sd
+        room = FARTHEST * self.sd
         return max(self.low, self.mean - room), min(self.high, self.mean + room)
 
     def value(self, x: float) -> float:
@@ -59,8 +59,11 @@ class Number:
         return self.start * math.exp(x) if self.scaled else x
 
     def spread(self, x: float, sd: float) -> float:
-        """Standard deviation of the number, of that of x."""
-        return abs(self.value(x)) * sd if self.scaled else sd
+        """Standard deviation of the number, of that of x; `log_width` is the inverse."""
+        if not self.scaled:
+            return sd
+        with np.errstate(over="ignore"):
+            return abs(self.value(x)) * float(np.sqrt(np.exp(sd * sd) * np.expm1(sd * sd)))
 
     def write(self, record: NDArray[np.void], x: Array) -> None:
         """Put x (n,) into records (n,) of the start boat, in place."""
@@ -72,3 +75,9 @@ class Number:
             part = field[:, k] if self.element is None else field[:, k, self.element]
             column = x[:, None] if part.ndim == 2 else x
             part[:] = part * np.exp(column) if self.scaled else column
+
+
+def log_width(ratio: float) -> float:
+    """Standard deviation s of the logarithm of a number that is log-normal about its median, of the number's
+    own standard deviation over the median: ratio² = e^{s²} (e^{s²} − 1)."""
+    return math.sqrt(math.log1p(0.5 * (math.hypot(1.0, 2.0 * ratio) - 1.0)))

@@ -12,7 +12,7 @@ from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.boat.plausible import Limit, ranges
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.boat.screw import Linear, OpenWater
-from swamp_rl.boat_numbers.number import Number
+from swamp_rl.boat_numbers.number import Number, log_width
 from swamp_rl.boat_numbers.start_effects import free_of_effects
 from swamp_rl.effects import Reference
 from swamp_rl.effects.limits import LONGEST_DELAY
@@ -68,7 +68,7 @@ def _narrowed(number: Number, boat: Boat) -> Number:
         return number
     sd = given.sd[number.element] if isinstance(given.sd, tuple) and number.element is not None else given.sd
     if isinstance(sd, float | int) and sd > 0.0 and (number.start != 0.0 or not number.scaled):
-        return replace(number, sd=sd / abs(number.start) if number.scaled else float(sd))
+        return replace(number, sd=log_width(sd / abs(number.start)) if number.scaled else float(sd))
     return replace(number, sd=MEASURED * number.sd) if given.provenance == "measured" else number
 
 
