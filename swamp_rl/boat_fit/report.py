@@ -11,6 +11,7 @@ from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.recent_thrust import past_seconds
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_thrust import RunThrust
+from swamp_rl.boat_numbers.number import FARTHEST
 from swamp_rl.boat_numbers.numbers import SATURATED, free_numbers
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
@@ -177,15 +178,22 @@ def _use(one: RunThrust, found: Identification) -> str:
 
 
 def far_from_start(fitted: Sequence[Fitted]) -> list[str]:
-    """Which numbers contradict the start file, in a sentence."""
-    far = [f"{one.number.name} ({one.distance:.1f})" for one in fitted if one.distance > FAR]
+    """Which numbers contradict the start file, and which of them ended at the bound of the fit, in sentences."""
+    far = [one for one in fitted if one.distance > FAR]
     if not far:
         return []
-    return [
-        f"More than {FAR:g} standard deviations of the prior from the start file: {', '.join(far)}. There "
+    named = ", ".join(f"{one.number.name} ({one.distance:.1f})" for one in far)
+    said = [
+        f"More than {FAR:g} standard deviations of the prior from the start file: {named}. There "
         "the start file is wrong or its `sd` too small, or the motion has a cause without a number in a boat "
         "file, which `swamp-rl diagnose` seeks."
     ]
+    if ended := [one.number.name for one in far if one.distance > 0.999 * FARTHEST]:
+        said.append(
+            f"At the bound of the fit, {FARTHEST:g} standard deviations of the prior: {', '.join(ended)}. The "
+            "value is that of the bound, not of the runs: the prior or the model is wrong."
+        )
+    return said
 
 
 def not_better(errors: Sequence[Predictors]) -> list[str]:
