@@ -159,8 +159,9 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
 
     Weights of the windows: the residual's standard deviation by channel, at least `noise_floor` (that of a
     simulator's output is the error of the integration), its integrated autocorrelation time, so that the
-    likelihood counts independent samples beside the prior, and Huber's weight of each window. Windows in which the boat of x, or of a later one (`sound_fit`), diverges are left out. weight:
-    (R, T, 6) by the measurement noise.
+    likelihood counts independent samples beside the prior, and Huber's weight of each window. Windows in
+    which the boat of x, or of a later one (`sound_fit`), diverges are left out. weight: (R, T, 6) by the
+    measurement noise.
     """
     boat = run_set.boat
     seconds, soft = window_length(boat), soft_weights(weight, boat)

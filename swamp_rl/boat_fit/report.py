@@ -178,7 +178,7 @@ def _use(one: RunThrust, found: Identification) -> str:
 
 
 def far_from_start(fitted: Sequence[Fitted]) -> list[str]:
-    """Which numbers contradict the start file, and which of them ended at the bound of the fit, in sentences."""
+    """Which numbers contradict the start file, and which of them are at the bound of the fit, in sentences."""
     far = [one for one in fitted if one.distance > FAR]
     if not far:
         return []
@@ -190,8 +190,8 @@ def far_from_start(fitted: Sequence[Fitted]) -> list[str]:
     ]
     if ended := [one.number.name for one in far if one.distance > 0.999 * FARTHEST]:
         said.append(
-            f"At the bound of the fit, {FARTHEST:g} standard deviations of the prior: {', '.join(ended)}. The "
-            "value is that of the bound, not of the runs: the prior or the model is wrong."
+            f"At the bound of the fit, {FARTHEST:g} standard deviations of the prior: {', '.join(ended)}. "
+            "The value is that of the bound, not of the runs: the prior or the model is wrong."
         )
     return said
 
