@@ -178,7 +178,7 @@ def _use(one: RunThrust, found: Identification) -> str:
 
 
 def far_from_start(fitted: Sequence[Fitted]) -> list[str]:
-    """Which numbers contradict the start file, and which of them are at the bound of the fit, in sentences."""
+    """Which numbers contradict the start file, and which are at the bound of the fit, in sentences."""
     far = [one for one in fitted if one.distance > FAR]
     if not far:
         return []

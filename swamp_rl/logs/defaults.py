@@ -170,7 +170,7 @@ def default_mapping(kind: str, log: Log, given: LogMapping, boat: Boat) -> LogMa
             if all(_has_numbers(table, text) for text in told.values()):
                 columns |= told
                 taken.add(source.gives)
-    columns = {name: text for name, text in columns.items() if not _replaced(name, given.columns)}
+    columns = {name: text for name, text in columns.items() if not replaced(name, given.columns)}
     columns |= {name: text for name, text in commands(kind, log, boat).items() if name not in given.columns}
     return LogMapping({name: parsed(text) for name, text in columns.items()}, frame=FRAMES[kind])
 
@@ -192,15 +192,16 @@ def _has_numbers(table: LogTable, text: str) -> bool:
     return len(there) == len(columns) and int(np.isfinite(evaluated(node, there)).sum()) > 1
 
 
+VELOCITY = {"surge", "sway", "u", "v", "vx", "vy", "velocity_north", "velocity_east"}
 ALTERNATIVES = (
     {"latitude", "longitude", "north", "east", "x", "y"},
     {"heading", "yaw", "qw", "qx", "qy", "qz"},
-    {"surge", "sway", "u", "v", "vx", "vy", "velocity_north", "velocity_east"},
+    VELOCITY,
     {"yaw_rate", "r"},
 )
 """Sources of the same columns."""
 
 
-def _replaced(name: str, given: Collection[str]) -> bool:
+def replaced(name: str, given: Collection[str]) -> bool:
     """Whether the given mapping has another source of the same columns."""
     return any(name in group and group & set(given) for group in ALTERNATIVES)

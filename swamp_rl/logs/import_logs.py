@@ -20,6 +20,7 @@ from swamp_rl.logs.keep import KEEP, kept_parts
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.logs.matlab import read_matlab
+from swamp_rl.logs.own_runs import own_mapping, with_own_entries
 from swamp_rl.logs.restarts import parts_between_restarts
 from swamp_rl.logs.ros import read_bag
 from swamp_rl.logs.tables import read_folder_log, read_table_log
@@ -27,6 +28,8 @@ from swamp_rl.logs.ulog import read_ulog
 from swamp_rl.logs.velocity_frame import foreign_in_its_axes
 from swamp_rl.runs.check import unknown_columns
 from swamp_rl.runs.columns import FIXED
+from swamp_rl.runs.copies import boat_file
+from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.import_dataset import (
     About,
     files_of_kind,
@@ -36,7 +39,7 @@ from swamp_rl.runs.import_dataset import (
     whole_folder,
 )
 from swamp_rl.runs.import_foreign import Foreign, Wishes
-from swamp_rl.runs.schema import DatasetMeta
+from swamp_rl.runs.schema import META, DatasetMeta
 
 ABOUT_ONE = 1.2
 """Greatest ratio of the rates of logs that are joined at one rate."""
@@ -69,17 +72,15 @@ def import_logs(
         raise UserError(f"--map: is not for --from {kind}; leave it out, or give --column")
     refuse_idle(kind, about, wishes)
     mapping = replace(reading.mapping, units={**reading.mapping.units, **wishes.units})
-    boat = load_boat(about.boat or "swamp")
+    boat = load_boat(about.boat or _own_boat(sources) or "swamp")
     logs, mappings = [], []
     for log in read_logs(sources, kind, mapping, reading.folders):
         parts = parts_between_restarts(log) if kind in BINARY else [log]
         logs += parts
-        mappings += [
-            mapping.over(default_mapping(kind, part, mapping, boat)) if kind in BINARY else mapping
-            for part in parts
-        ]
+        mappings += [_whole_mapping(kind, part, mapping, boat) for part in parts]
     if reading.join is not None:
-        logs, mappings = [_as_one(logs, reading.join)], mappings[:1]
+        logs, mappings = [_as_one(logs, reading.join)], mappings[:1] if kind in BINARY else [mapping]
+    datasets = {home: read_meta(home) for home in {log.home for log in logs} if home is not None}
     pairs = list(zip(logs, mappings, strict=True))
     _refuse_units(pairs[0][1], wishes.units)
     single = [_foreign(log, own, mapping, kind, boat, wishes) for log, own in pairs]
@@ -87,11 +88,28 @@ def import_logs(
         single = [
             _foreign(log, own, mapping, kind, boat, replace(wishes, resample=rate)) for log, own in pairs
         ]
+    single = [
+        one if log.home is None else with_own_entries(one, log, datasets[log.home], mapping)
+        for one, log in zip(single, logs, strict=True)
+    ]
     single = [part for one in single for part in kept_parts(one)]
     even = all("joined" in (one.meta.model_extra or {}) for one in single)
     rest = replace(wishes, units={})
     rest = replace(rest, resample=None, fill=0.0) if even else rest
     return import_tables(single, out, about, rest)
+
+
+def _own_boat(sources: Sequence[Path]) -> str | Path | None:
+    """The boat of the dataset that a source is, or is a run of."""
+    homes = [home for source in sources for home in (source, source.parent) if (home / META).is_file()]
+    return boat_file(homes[0], read_meta(homes[0])) if homes else None
+
+
+def _whole_mapping(kind: str, log: Log, given: Mapping, boat: Boat) -> Mapping:
+    """The given mapping, and what the format or the run itself has of the columns that it does not give."""
+    if kind in BINARY:
+        return given.over(default_mapping(kind, log, given, boat))
+    return given if log.home is None else given.over(own_mapping(log, given))
 
 
 def _refuse_units(mapping: Mapping, units: Mapped[str, str]) -> None:

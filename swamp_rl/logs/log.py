@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
@@ -34,12 +35,14 @@ class LogTable:
 
 @dataclass(frozen=True)
 class Log:
-    """A file as its reader finds it. `told`: what the reader has to say of the run, kept with it."""
+    """A file as its reader finds it. `told`: what the reader has to say of the run, kept with it; `home`: the
+    dataset of this project that the file is a run of."""
 
     file: str
     name: str
     tables: Mapping[str, LogTable]
     told: Mapping[str, str] = field(default_factory=dict)
+    home: Path | None = None
 
 
 def words_of(table: LogTable, column: str) -> pa.ChunkedArray | None:

@@ -9,13 +9,15 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.logs.log import Log, LogTable
+from swamp_rl.runs.schema import META
 from swamp_rl.runs.table import read_table
 
 
 def read_table_log(path: Path) -> Log:
     """The table of a file, named after the file; UserError where it cannot be read as a table at all."""
     name = table_name(path.stem)
-    return Log(path.name, path.stem, {name: _read(path, name, path.name)})
+    home = path.parent if (path.parent / META).is_file() else None
+    return Log(path.name, path.stem, {name: _read(path, name, path.name)}, home=home)
 
 
 def read_folder_log(folder: Path, files: Sequence[Path], wanted: Collection[str] | None = None) -> Log:
