@@ -30,13 +30,15 @@ SHORTEST_STEP = 1e-6
 def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True) -> list[Finding]:
     """What is odd about runs, faults first.
 
-    boat: whose thrusters the commands are of; without it sides are taken from the names of columns.
-    measured: whether channels without noise are odd. A column that another check has shown to be in another
-    unit is brought into ours, in memory, before those that rest on it.
+    boat: whose thrusters the commands are of; without it sides are taken from the names of columns. measured:
+    whether channels without noise are odd. Runs are divided where their positions jump. A column that another
+    check has shown to be in another unit is brought into ours, in memory, before those that rest on it.
     """
     found = missing_findings(runs)
     without, runs = finite_runs(runs)
-    found += without + time_findings(runs) + jump_findings(runs)
+    found += without + time_findings(runs)
+    jumps, runs = jump_findings(runs)
+    found += jumps
     ranges, runs = range_findings(runs)
     found += ranges + stuck_findings(runs, measured) + command_findings(runs)
     found += [] if boat is None else other_boat_findings(runs, boat)

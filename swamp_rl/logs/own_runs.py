@@ -18,8 +18,8 @@ def own_mapping(log: Log, given: Mapping) -> Mapping:
 
 
 def with_own_entries(found: Foreign, log: Log, dataset: DatasetMeta, given: Mapping) -> Foreign:
-    """The run with its entries in the dataset, without the axes of velocities that the given mapping makes, and
-    with the dataset's boat."""
+    """The run with the dataset's boat and its entries there, without the axes of velocities that the given
+    mapping makes."""
     own = next((run.model_dump() for run in dataset.runs if run.file == log.file), {})
     if VELOCITY & given.columns.keys():
         own.pop("velocity_axes", None)

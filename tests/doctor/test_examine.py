@@ -10,7 +10,12 @@ from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.doctor.examine import examine
 from swamp_rl.doctor.finding import Finding
-from swamp_rl.runs import Run
+from swamp_rl.logs.import_logs import Reading, import_logs
+from swamp_rl.logs.mapping import mapping_of
+from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
+from swamp_rl.runs.import_dataset import About
+from swamp_rl.runs.import_foreign import Wishes
+from swamp_rl.runs.schema import DatasetMeta
 from swamp_rl.simulator.replay import replay
 from tests.support.from_scratch import written
 from tests.support.new_boats import new_boat
@@ -113,6 +118,27 @@ def test_a_position_that_jumps_for_a_row_is_named_with_its_time(sound: list[Run]
     (found,) = [one for one in faults([sound[0], run, sound[2]], twin) if one.code == "position_jump"]
     assert found.runs == ("glitch",) and "30.0 s of glitch" in found.told
     assert found.figures["longest_jump_m"] == pytest.approx(40.0, abs=1.0)
+
+
+def test_a_position_that_is_reset_is_divided_by_the_advice_and_not_called_filtered(
+    sound: list[Run], twin: Boat, tmp_path: Path
+) -> None:
+    resets = [
+        Run(run.name, run.columns | {"north": run.columns["north"] + 30.0 * (run.time > 30.05)})
+        for run in sound
+    ]
+    (told,) = faults(resets, twin)
+    assert told.code == "position_jump"
+    about = {"mass": twin.mass, "draught": twin.draught, "water_density": twin.water_density}
+    name = str(written(tmp_path, "twin"))
+    create_dataset(tmp_path / "runs", DatasetMeta(vehicle=name, sample_rate=10.0, source="measured", **about))
+    for run in resets:
+        append_run(tmp_path / "runs", run)
+    keep = Reading(mapping_of([told.advice.split("'")[1]]))
+    import_logs([tmp_path / "runs"], "parquet", tmp_path / "out", About(), Wishes(), keep)
+    parts = read_dataset(tmp_path / "out").runs
+    assert [len(run.time) for run in parts] == 3 * [300, 299]
+    assert faults(list(parts), twin) == []
 
 
 def scaled(prefix: str, factor: float) -> Callable[[Columns], Columns]:
