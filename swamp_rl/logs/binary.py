@@ -3,7 +3,7 @@
 import math
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
 from typing import Any
@@ -59,8 +59,8 @@ def refuse_other_bytes(path: Path, what: str, begin: bytes) -> None:
 class Gathered:
     """Rows of named numbers of one table as they come, no more than MOST_COLUMNS and MOST_CELLS."""
 
-    def __init__(self, path: Path, name: str, kind: str, origin: str) -> None:
-        self.path, self.name, self.kind, self.origin = path, name, kind, origin
+    def __init__(self, path: Path, name: str, kind: str, origin: str, clocks: Collection[str]) -> None:
+        self.path, self.name, self.kind, self.origin, self.clocks = path, name, kind, origin, clocks
         self.stamps: list[float] = []
         self.columns: dict[str, list[float]] = {}
 
@@ -78,7 +78,8 @@ class Gathered:
         """The rows as arrays."""
         columns = {name: np.array(values, float) for name, values in self.columns.items()}
         rows = np.arange(1, len(self.stamps) + 1)
-        return LogTable(self.name, Table(columns, rows), np.array(self.stamps, float), self.kind, self.origin)
+        stamps = np.array(self.stamps, float)
+        return LogTable(self.name, Table(columns, rows), stamps, self.kind, self.origin, self.clocks)
 
 
 def number(value: Any) -> float:

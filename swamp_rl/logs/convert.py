@@ -383,7 +383,7 @@ def _is_constant(values: Array) -> bool:
 
 
 def _left_out(log: Log, mapping: Mapping, found: Mapped[str, Column], used: list[str]) -> dict[str, str]:
-    """The columns of the tables in use that no expression reads, but those of one value."""
+    """The columns of the tables in use that no expression reads, but those of times and of one value."""
     times = [mapping.columns.get(mapping.time_of(name)) for name in used]
     time = {word for node in times if node for word in names_in(node)}
     read = {(column.table, theirs) for column in found.values() for theirs in column.names.values()}
@@ -392,6 +392,7 @@ def _left_out(log: Log, mapping: Mapping, found: Mapped[str, Column], used: list
         for name in used
         for column in log.tables[name].table.columns
         if (name, column) not in read
+        and column not in log.tables[name].clocks
         and not time & {column, f"{name}.{column}"}
         and not _is_constant(log.tables[name].table.columns[column])
     ]

@@ -14,6 +14,8 @@ WHAT = "DataFlash log"
 PARAMETER = "PARM"
 HEADER = 3
 """Bytes of a message before its fields."""
+CLOCKS = "TimeUS", "TimeMS", "GMS", "GWk"
+"""Fields of the time since the boot, and of GPS time."""
 MOST_MESSAGES = 50_000_000
 
 
@@ -77,7 +79,7 @@ def _gathered(path: Path, reader: Any, wanted: Collection[str] | None) -> Log:
         if wanted is not None and name not in wanted:
             continue
         if name not in tables:
-            tables[name] = Gathered(path, name, "DataFlash", kind)
+            tables[name] = Gathered(path, name, "DataFlash", kind, CLOCKS)
         tables[name].add(stamp, {field: one for field, one in fields.items() if isinstance(one, int | float)})
     if not tables:
         raise UserError(f"{path}: holds no message with a time (TimeUS, TimeMS); name a whole DataFlash log")

@@ -1,6 +1,6 @@
 """What a log holds: tables of messages, each with its own times."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,13 +16,15 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class LogTable:
     """Messages of one topic. `time` (T,) s on the log's own clock, None where it is a column that the mapping
-    names; `kind`: what the format calls such a message; `origin`: its name in the log."""
+    names; `kind`: what the format calls such a message; `origin`: its name in the log; `clocks`: columns of
+    times."""
 
     name: str
     table: Table
     time: Array | None = None
     kind: str = ""
     origin: str = ""
+    clocks: Collection[str] = ()
 
     @property
     def rate(self) -> float | None:

@@ -31,6 +31,7 @@ DEFINED = {
     f"mavros_msgs/msg/{name}": "std_msgs/Header header\nuint16[] channels\n" for name in ("RCOut", "RCIn")
 }
 """Message types that bags of ROS 2 before Iron name without their definition, as mavros defines them."""
+HEADER = tuple(f"header.stamp.{unit}" for unit in ("sec", "nanosec"))
 LATEST = 10.0
 """Seconds between a header and its recording, by the median: beyond, they are of different clocks."""
 
@@ -66,7 +67,7 @@ def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collectio
             fields = dict(_numbers(reader.deserialize(data, connection.msgtype), reader.typestore))
             if name not in tables:
                 kind = connection.msgtype.replace("/msg/", "/")
-                tables[name] = Gathered(path, name, kind, connection.topic)
+                tables[name] = Gathered(path, name, kind, connection.topic, HEADER)
                 headers[name] = []
             tables[name].add(1e-9 * stamp, fields)
             headers[name].append(_header(fields))

@@ -13,6 +13,7 @@ from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.table import MOST_CELLS, MOST_COLUMNS, Table
 
 WHAT = "ULog file"
+CLOCKS = "timestamp_sample", "time_utc_usec"
 
 
 def read_ulog(path: Path, wanted: Collection[str] | None = None) -> Log:
@@ -42,7 +43,7 @@ def read_ulog(path: Path, wanted: Collection[str] | None = None) -> Log:
                 if field != "timestamp"
             }
             table = Table(columns, np.arange(1, len(stamps) + 1))
-            tables[name] = LogTable(name, table, np.asarray(stamps, float) * 1e-6, "ULog", found.name)
+            tables[name] = LogTable(name, table, 1e-6 * np.asarray(stamps, float), "ULog", found.name, CLOCKS)
     if not tables:
         raise UserError(f"{path}: holds no data of the topics that are read; see --list")
     told = {f"parameter {name}": str(value) for name, value in log.initial_parameters.items()}

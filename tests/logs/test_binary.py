@@ -50,7 +50,9 @@ def test_the_default_mapping_gives_the_run_that_was_logged(tmp_path: Path, name:
     for column in columns + ([] if name == "ulog" else ["yaw_rate"]):
         expected = np.interp(run.time, was["time"], was[column])
         assert run.columns[column] == pytest.approx(expected, abs=0.03), column
-    assert "joined" in (run.meta.model_extra or {})
+    told = run.meta.model_extra or {}
+    assert "joined" in told
+    assert not any(word in told.get("not_imported", "") for word in ("Time", "stamp"))
 
 
 @pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
