@@ -17,6 +17,7 @@ from swamp_rl.doctor.response import response_findings
 from swamp_rl.doctor.smooth import Motion, motion_of
 from swamp_rl.doctor.stuck import stuck_findings
 from swamp_rl.doctor.times import JUMP, time_findings
+from swamp_rl.doctor.unpowered import unpowered_findings
 from swamp_rl.runs import Run
 from swamp_rl.runs.columns import REQUIRED
 
@@ -48,7 +49,7 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     found += filter_findings(resolved, measured)
     motions = [motion for _, motion in moved if motion is not None]
     kinematic, motions = kinematic_findings(motions)
-    found += kinematic + response_findings(motions, boat)
+    found += kinematic + response_findings(motions, boat) + unpowered_findings(motions)
     return sorted(found, key=lambda finding: finding.level != "fault")
 
 

@@ -120,6 +120,29 @@ def test_a_position_that_jumps_for_a_row_is_named_with_its_time(sound: list[Run]
     assert found.figures["longest_jump_m"] == pytest.approx(40.0, abs=1.0)
 
 
+def test_a_boat_that_is_carried_while_its_thrusters_rest_is_told_and_one_that_coasts_is_not(
+    sound: list[Run], twin: Boat
+) -> None:
+    first = sound[0].columns
+    rest, ashore = np.zeros(300), 0.1 * np.arange(300)
+    walked = first["north"][0] + np.minimum(ashore - 20.0, 0.0)  # 1 m/s from 5 s on, to the water at 20 s
+    walked = np.maximum(walked, walked[50]) + 0.02 * np.random.default_rng(3).standard_normal(300)
+    before = {name: np.full(300, values[0]) for name, values in first.items()} | {"north": walked}
+    before |= {"throttle_port": rest, "throttle_starboard": rest}
+    carried = {name: np.concatenate([before[name], first[name]]) for name in first}
+    told = [one for one in examine([Run("day", carried | {"time": STEP * np.arange(901)})], twin)]
+    (found,) = [one for one in told if one.code == "unpowered"]
+    assert found.level == "note" and found.runs == ("day",)
+    assert found.figures["seconds"] == pytest.approx(15.0, abs=2.0)
+    coasting = [
+        np.where(first["time"] > 40.0, 0.0, first[f"throttle_{side}"]) for side in ("port", "starboard")
+    ]
+    cut = replay(
+        twin, Run("cut", first | dict(zip(("throttle_port", "throttle_starboard"), coasting, strict=True)))
+    )
+    assert not [one for one in examine([cut], twin, measured=False) if one.code == "unpowered"]
+
+
 def test_a_position_that_is_reset_is_divided_by_the_advice_and_not_called_filtered(
     sound: list[Run], twin: Boat, tmp_path: Path
 ) -> None:
