@@ -1,4 +1,4 @@
-"""Boats that gather speed while all their thrusters are at rest: carried, pushed, towed, or driven otherwise."""
+"""Boats that gather speed while all their thrusters are at rest: carried, pushed, or towed."""
 
 from collections.abc import Sequence
 

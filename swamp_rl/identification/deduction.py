@@ -66,15 +66,18 @@ def straight(motion: Motion, part: slice) -> bool:
 def deduction_points(motion: Motion, boat: Boat) -> list[Point]:
     """1 - t = R(U) / T_bollard for every steady straight stretch; empty where there is none.
 
-    The interval is that of the mean speed, from blocks of 5 s, carried through the resistance curve. A
-    current along the course shifts every point: `paired` takes the mean of opposite directions.
+    The interval is that of the mean speed, by Student's t from blocks of 5 s, carried through the resistance
+    curve. A current along the course shifts every point: `paired` takes the mean of opposite directions.
     """
+    from scipy.special import stdtrit
+
     found = []
     for part in stretches(motion):
         speed = motion.velocity[part, 0]
         blocks = np.array_split(speed, max(2, round(len(speed) * motion.step / BLOCK)))
         mean = float(speed.mean())
-        error = 2.0 * float(np.std([block.mean() for block in blocks], ddof=1)) / np.sqrt(len(blocks))
+        deviation = float(np.std([block.mean() for block in blocks], ddof=1))
+        error = float(stdtrit(len(blocks) - 1, 0.975)) * deviation / np.sqrt(len(blocks))
         throttle = float(motion.throttle[part].mean())
         bollard = bollard_of_all(boat, throttle)
         size = abs(mean)

@@ -130,8 +130,8 @@ def test_a_boat_that_is_carried_while_its_thrusters_rest_is_told_and_one_that_co
     before = {name: np.full(300, values[0]) for name, values in first.items()} | {"north": walked}
     before |= {"throttle_port": rest, "throttle_starboard": rest}
     carried = {name: np.concatenate([before[name], first[name]]) for name in first}
-    told = [one for one in examine([Run("day", carried | {"time": STEP * np.arange(901)})], twin)]
-    (found,) = [one for one in told if one.code == "unpowered"]
+    day = Run("day", carried | {"time": STEP * np.arange(901)})
+    (found,) = [one for one in examine([day], twin) if one.code == "unpowered"]
     assert found.level == "note" and found.runs == ("day",)
     assert found.figures["seconds"] == pytest.approx(15.0, abs=2.0)
     coasting = [

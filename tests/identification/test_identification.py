@@ -12,7 +12,7 @@ from swamp_rl.experiments.cli import app as cli
 
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
-from swamp_rl.identification.deduction import deduction_points, paired, resistance_at
+from swamp_rl.identification.deduction import deduction_points, paired, resistance_at, stretches
 from swamp_rl.identification.elementary import bounded, expected, identify_surge, identify_yaw
 from swamp_rl.identification.estimate import blocks_of, pseudo_inverse, with_intervals
 from swamp_rl.identification.motion import motion_of, motions_of
@@ -156,6 +156,21 @@ def test_a_current_shifts_one_direction_and_cancels_in_the_pair() -> None:
     truth = 0.30 + 0.4 / 0.7 * 0.45
     assert abs(points[0].factor - truth) > 0.1
     assert paired(points, BOAT)[0.7] == pytest.approx(truth, abs=0.01)
+
+
+def test_the_interval_of_a_short_stretch_holds_the_true_deduction_in_95_of_100_cases() -> None:
+    run = record_run(BOAT, straights(BOAT, 0.1, (0.7,), True), 0.1, QUIET, np.random.default_rng(0))
+    (part,) = stretches(whole := motion_of(run, BOAT))
+    chosen = np.zeros(len(whole.time), bool)
+    chosen[part.start - 300 : part.start + 100] = True  # 10 s of it after it has settled
+    short = whole.rows(chosen)
+    (true,) = deduction_points(short, BOAT)
+    rng, held = np.random.default_rng(1), 0
+    for _ in range(400):
+        noisy = short.velocity + [0.01, 0.0, 0.0] * rng.standard_normal((400, 3))
+        (point,) = deduction_points(short._replace(velocity=noisy), BOAT)
+        held += point.low <= true.factor <= point.high
+    assert held / 400 == pytest.approx(0.95, abs=0.03)
 
 
 def steered(throttle: float, held_angle: float | None) -> Run:
