@@ -257,7 +257,7 @@ def test_the_derivative_of_a_prediction_by_a_scaled_number_is_that_of_its_record
     hypothesis = free_boat(boat, (number,), 0)
     up, down = (float(hypothesis.records(boat, np.array([[h]]))["mass"][0]) for h in (1e-4, -1e-4))
     assert (up - down) / 2e-4 == pytest.approx(boat.mass, rel=1e-6)
-    assert number.spread(0.2, 0.05) == pytest.approx(boat.mass * math.exp(0.2) * 0.05)
+    assert number.spread(0.2, 1e-4) == pytest.approx(boat.mass * math.exp(0.2) * 1e-4)
 
 
 @pytest.mark.parametrize(
