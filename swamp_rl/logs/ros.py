@@ -14,10 +14,12 @@ from swamp_rl.logs.binary import LARGEST, Gathered, reading, refuse_other_bytes
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.tables import table_name
 from swamp_rl.ordinary import ordinary
-from swamp_rl.runs.import_dataset import BAG_METADATA
+from swamp_rl.runs.import_dataset import BAG_METADATA, mcap_profile
 from swamp_rl.runs.table import MOST_COLUMNS
 
 WHAT = "ROS bag"
+PROFILE = "ros2"
+"""Of the MCAP files that rosbags reads."""
 UNDEFINED = (
     "which the bag does not define; convert it to MCAP (ros2 bag convert) where that package is installed"
 )
@@ -172,6 +174,11 @@ def _opened(path: Path) -> Iterator[Any]:
             yield reader
     elif path.suffix.lower() in (".db3", ".mcap"):
         ordinary(path, LARGEST)
+        if path.suffix.lower() == ".mcap" and (profile := mcap_profile(path)) not in (None, PROFILE):
+            raise UserError(
+                f"{path}: its MCAP profile is {clipped(repr(profile))}, of a bag {PROFILE}; name the .bag "
+                "that a ros1 file was made of; ros2 bag convert writes others again"
+            )
         with AnyReader([path], default_typestore=default) as reader:
             yield reader
     else:

@@ -112,11 +112,20 @@ def _kind_of_file(path: Path) -> str | None:
     """The kind that a suffix tells, or the profile in the header of an MCAP file; None where neither does."""
     if path.suffix.lower() != ".mcap":
         return SURE.get(path.suffix.lower())
+    profile = mcap_profile(path)
+    if profile is None:
+        return None
+    return "rosbag" if profile.startswith("ros") else "mcap"
+
+
+def mcap_profile(path: Path) -> str | None:
+    """The profile in an MCAP file's header, its first 16 bytes; None for a file that does not begin so."""
     with ordinary(path, None).open("rb") as stream:
-        begin = stream.read(BEFORE_PROFILE + 3)
+        begin = stream.read(BEFORE_PROFILE + 16)
     if len(begin) < BEFORE_PROFILE or not begin.startswith(MCAP):
         return None
-    return "rosbag" if begin.endswith(b"ros") else "mcap"
+    length = int.from_bytes(begin[BEFORE_PROFILE - 4 : BEFORE_PROFILE], "little")
+    return begin[BEFORE_PROFILE:][:length].decode(errors="replace")
 
 
 @dataclass(frozen=True)

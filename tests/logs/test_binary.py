@@ -63,6 +63,17 @@ def test_a_lone_file_of_a_bag_is_read_without_its_description(tmp_path: Path, st
     assert run.duration > 29.0 and {"throttle_port", "throttle_starboard"} <= set(run.columns)
 
 
+@pytest.mark.parametrize("profile", ["ros1", ""])
+def test_an_mcap_file_of_another_profile_is_refused_by_it(tmp_path: Path, profile: str) -> None:
+    path = tmp_path / "log.mcap"
+    header = b"".join(len(word).to_bytes(4, "little") + word for word in (profile.encode(), b"a recorder"))
+    path.write_bytes(b"\x89MCAP0\r\n\x01" + len(header).to_bytes(8, "little") + header + bytes(64))
+    with pytest.raises(
+        UserError, match=rf"log\.mcap: its MCAP profile is '{profile}', of a bag ros2; name the"
+    ):
+        read_log(path, "rosbag")
+
+
 @pytest.mark.parametrize("name", LOGS)
 def test_a_listing_names_tables_rates_and_fields(tmp_path: Path, name: str) -> None:
     make, kind, _ = LOGS[name]
