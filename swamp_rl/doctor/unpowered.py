@@ -23,7 +23,9 @@ def unpowered_findings(motions: Sequence[Motion]) -> list[Finding]:
     names = {name for one in motions for name in one.run.columns if name.startswith(LEVELS)}
     with_levels = [one for one in motions if names and names <= one.run.columns.keys()]
     most = {
-        name: max((float(np.nanmax(np.abs(one.run.columns[name]))) for one in with_levels), default=0.0)
+        name: max(
+            (float(np.abs(np.nan_to_num(one.run.columns[name])).max()) for one in with_levels), default=0.0
+        )
         for name in names
     }
     resting = [_at_rest(one, most) for one in with_levels]
