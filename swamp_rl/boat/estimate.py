@@ -164,8 +164,7 @@ def _particulars(sizes: Sizes, floats: bool) -> dict[str, Any]:
 def _hull(sizes: Sizes) -> dict[str, Any]:
     found = hull_derivatives(sizes.length, sizes.breadth, sizes.draught, sizes.block)
     hull = {name: assumed(value, "1", SOURCES[name], SPREADS[name]) for name, value in found.items()}
-    across = "B/√3, resistance spread evenly over B; of two hulls the distance of their centre planes"
-    return hull | {"spacing": assumed(sizes.breadth / math.sqrt(3.0), "m", across, 0.15 * sizes.breadth)}
+    return hull | {"spacing": assumed(0.0, "m", "one hull, or two taken as one", 0.1 * sizes.breadth)}
 
 
 def annotated(content: Mapping[str, Any], head: str) -> str:

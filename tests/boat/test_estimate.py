@@ -21,8 +21,6 @@ from swamp_rl.boat.estimate_hull import (
 )
 from swamp_rl.boat.quantity import units
 from swamp_rl.errors import UserError
-from swamp_rl.physics.hull import demihull_resistance
-from swamp_rl.physics.resistance import surge_resistance, towing
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, YAW_RATE
@@ -120,16 +118,6 @@ def test_cross_flow_drag_is_hoerners_curve_and_constant_beyond_it() -> None:
     assert cross_flow_drag(2.0, 1.0) == pytest.approx(0.826, abs=0.005)
     assert cross_flow_drag(100.0, 1.0) == pytest.approx(0.5593)
     assert cross_flow_drag(0.001, 1.0) == pytest.approx(1.9661)
-
-
-def test_a_new_boats_resistance_damps_its_turns_as_if_spread_evenly_over_the_breadth(tmp_path: Path) -> None:
-    boat = new_boat(tmp_path, "twin-fixed")
-    p, lines, speed, rate = parameters(boat)[0], tank(boat), 1.0, 1e-3
-    tow = towing(p, lines)
-    across = np.linspace(-0.5, 0.5, 2001) * boat.breadth
-    ahead = np.array([surge_resistance(speed - rate * y, 0.0, p, lines, tow) for y in across])
-    spread = -np.trapezoid(ahead * across, across) / boat.breadth
-    assert demihull_resistance(speed, 0.0, rate, p, lines, tow)[1] == pytest.approx(spread, rel=1e-3)
 
 
 def test_the_speed_of_a_thrust_is_that_of_swamps_tank() -> None:
