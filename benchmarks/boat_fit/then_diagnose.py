@@ -9,6 +9,7 @@ day and diagnosed on another: as it was, and with less thrust.
 import sys
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -75,18 +76,20 @@ def scale_of(cause: Cause) -> tuple[float, float] | None:
 
 
 def judged(found: Diagnosis, hidden: bool) -> list[float]:
-    """Whether a diagnosis accuses a boat of what is not hidden, names what is, and its interval holds it; NaN
-    where that is no question.
+    """Whether a diagnosis is right of a healthy day; whether it explains the other day by what is hidden,
+    names that at all, with an interval that holds it, and names another effect. NaN: no question of that day.
     """
     scales = [scale_of(cause) for cause in found.causes]
-    others = any(one is None for one in scales)
     own = next((one for one in scales if one), None)
     if not hidden:
-        return [float(bool(found.causes)), np.nan, np.nan]
+        return [float(found.verdict == "nothing_wrong"), np.nan, np.nan, np.nan, np.nan]
+    explained = found.verdict == "cause" and own is not None
     holds = abs(own[0] - SCALE) < Z95 * own[1] if own else np.nan
-    return [float(others), float(own is not None), float(holds)]
+    others = any(one is None for one in scales)
+    return [np.nan, float(explained), float(own is not None), float(holds), float(others)]
 
 
+@one_thread()
 def days(number: int, seed: int) -> tuple[str, dict[str, list[list[float]]]]:
     """A line on boat `number`, and by the file what `judged` says of the healthy and of the weaker day."""
     kind, boat, plain, truth, runs = drawn_boat(2 * number, seed)  # every other one sails in gusts
@@ -107,33 +110,25 @@ def days(number: int, seed: int) -> tuple[str, dict[str, list[list[float]]]]:
 
 
 def table_of(told: dict[str, list[list[list[float]]]]) -> str:
-    """Of each file: healthy boats accused, weaker thrust named, its intervals, and other effects named."""
+    """Of each file, how often each of `judged` is so."""
     rows = []
     for name, boats in told.items():
-        each = np.array(boats)
-        healthy, weaker = each[:, 0], each[:, 1]
-        held = weaker[:, 2][np.isfinite(weaker[:, 2])]
-        counts = (
-            (healthy[:, 0].sum(), len(healthy)),
-            (weaker[:, 1].sum(), len(weaker)),
-            (held.sum(), len(held)),
-        )
-        cells = [f"{int(part)} of {whole}" for part, whole in (*counts, (weaker[:, 0].sum(), len(weaker)))]
-        rows.append([name, *cells])
-    heads = ["boat file", "healthy accused", "thrust named", "its interval holds the truth", "others named"]
-    return table(heads, rows)
+        columns = np.concatenate(boats).T
+        asked = [column[np.isfinite(column)] for column in columns]
+        rows.append([name, *(f"{int(column.sum())} of {len(column)}" for column in asked)])
+    heads = ["boat file", "healthy: nothing wrong", "less thrust: explained", "named", "interval holds it"]
+    return table([*heads, "another effect named"], rows)
 
 
-@one_thread()
 def main(count: int, seed: int) -> None:
-    """Print a line a boat, and write the table."""
+    """Print a line a boat, and write the table after each; two processes."""
     told: dict[str, list[list[list[float]]]] = {name: [] for name in FILES}
-    for number in range(count):
-        line, own = days(number, seed)
-        print(f"{number}: {line}", flush=True)
-        for name in FILES:
-            told[name].append(own[name])
-    write_parts(DOCS / "identify_boat.md", {"then-diagnose": table_of(told)})
+    with ProcessPoolExecutor(2) as pool:
+        for number, (line, own) in enumerate(pool.map(days, range(count), [seed] * count)):
+            print(f"{number}: {line}", flush=True)
+            for name in FILES:
+                told[name].append(own[name])
+            write_parts(DOCS / "identify_boat.md", {"then-diagnose": table_of(told)})
     print(table_of(told))
 
 
