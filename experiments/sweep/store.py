@@ -173,7 +173,10 @@ def _agree(connection: sqlite3.Connection, path: Path, plan: str) -> None:
         if stored is None:
             connection.execute("INSERT INTO plan VALUES (?)", (plan,))
         elif stored[0] != plan:
-            key, there, now = next(_differences(parsed_json(stored[0]), json.loads(plan)))
+            try:
+                key, there, now = next(_differences(parsed_json(stored[0]), json.loads(plan)))
+            except (StopIteration, TypeError, ValueError) as error:  # no text of ours
+                raise UserError(f"{path}: the plan in it is damaged; {AGAIN}") from error
             raise UserError(
                 f"{path}: holds trials of another sweep or of other settings ({key}: there {there}, now "
                 f"{now}); name another folder with --out"

@@ -1,8 +1,9 @@
 """A sweep to which values or draws are added keeps its trials, and one with other settings is told which."""
 
 import json
+import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -93,6 +94,18 @@ def test_other_settings_of_a_sweep_are_refused_and_the_first_is_named(
     with pytest.raises(UserError, match="holds trials of another sweep or of other settings") as refused:
         swept(tmp_path, "out", **changes)
     assert told in str(refused.value) and "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("plan", [None, "no json", '{"a": NaN}'])
+def test_a_sweep_whose_stored_settings_are_damaged_is_refused_in_one_line(
+    plan: str | None, tmp_path: Path
+) -> None:
+    swept(tmp_path, "out")
+    with closing(sqlite3.connect(tmp_path / "out" / "trials.sqlite")) as store, store:
+        store.execute("UPDATE plan SET plan = ?", (plan,))
+    with pytest.raises(UserError, match="the plan in it is damaged") as refused:
+        swept(tmp_path, "out")
+    assert "\n" not in str(refused.value)
 
 
 def test_the_figure_has_the_values_of_a_grid_as_labels(
