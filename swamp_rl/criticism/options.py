@@ -81,6 +81,8 @@ class Options:
     stretch: float = 20.0  # s of a block of a long window or run that is resampled; at least two horizons
     held_out_rounds: int = 8  # iterations of the initial states of a held-out window
     tail: float = 0.025  # probability below an interval: 95 %
+    # standard deviations of a principal component of the boat file's errors, of a finite difference
+    errors_step: float = 0.1
     # ---- Sensitivity to forces
     # in `acceleration_scale`, of the finite difference
     acceleration_step: tuple[float, ...] = (0.00646, 0.00646, 0.00801)

@@ -19,8 +19,6 @@ from swamp_rl.criticism.selection.score_test import neutral_start
 
 Array = NDArray[np.float64]
 
-STEP = 0.1  # standard deviations of a principal component, of a finite difference
-
 
 def boat_file_covariance(problem: Shooting, at: Fit) -> Array:
     """(p, p) covariance of x by the errors of the numbers that the boat file has a `covariance` of; zeros
@@ -93,7 +91,7 @@ def _jointly(problem: Shooting, at: Fit) -> tuple[Normal, Array]:
         record = problem.record.copy()
         write_numbers(numbers, record, error[None])
         moved = problem.of_record(record).track(at.hypothesis, at.x, at.states)
-        by_errors[..., column] = problem.standardised((moved - base) / STEP)
+        by_errors[..., column] = problem.standardised((moved - base) / options().errors_step)
     by_errors = np.where(np.isfinite(by_errors), by_errors, 0.0)  # of a boat that diverges
     by_x = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
     slopes = np.concatenate([by_x, by_errors], axis=2)
@@ -102,8 +100,8 @@ def _jointly(problem: Shooting, at: Fit) -> tuple[Normal, Array]:
 
 def principal_errors(boat: Boat) -> tuple[list[Number], Array]:
     """Numbers (n) of the boat's `covariance`, and (n, n) what they are where each principal component of
-    their errors is STEP, or as much of it as the numbers' bounds allow: along a component, numbers that the
-    errors hold together move together.
+    their errors is `errors_step`, or as much of it as the numbers' bounds allow: along a component, numbers
+    that the errors hold together move together.
     """
     known = boat.covariance
     assert known is not None
@@ -117,4 +115,4 @@ def principal_errors(boat: Boat) -> tuple[list[Number], Array]:
     errors = (vectors * np.sqrt(np.maximum(values, 0.0))).T * size
     mean = np.array([number.mean for number in numbers])
     low, high = np.array([number.bounds for number in numbers]).reshape(-1, 2).T
-    return numbers, np.clip(mean + STEP * errors, low, high)
+    return numbers, np.clip(mean + options().errors_step * errors, low, high)
