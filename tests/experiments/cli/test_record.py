@@ -93,7 +93,7 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
 
 
 def test_a_recorder_interrupted_in_a_run_tells_of_it_at_its_end(tmp_path: Path) -> None:
-    folder, ended = tmp_path / "runs", []
+    folder, ended = tmp_path / "runs", list[tuple[int, str]]()
     with started(folder) as (process, _, address):
         drive_for_rows(
             address.split("/")[2],
@@ -101,7 +101,9 @@ def test_a_recorder_interrupted_in_a_run_tells_of_it_at_its_end(tmp_path: Path) 
             3,
             lambda: ended.append(stopped(process, signal.SIGINT)),
         )
-    assert ended == [(0, f"{folder}: 0 runs, 1 unfinished run to be stored at the next start\n")]
+    ((code, said),) = ended
+    last = said.splitlines()[-1]  # before it, a busy machine may tell that the driver sends too much
+    assert (code, last) == (0, f"{folder}: 0 runs, 1 unfinished run to be stored at the next start")
 
 
 @pytest.mark.parametrize("first", [signal.SIGTERM, signal.SIGHUP], ids=["terminated", "terminal closed"])
