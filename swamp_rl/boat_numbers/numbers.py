@@ -102,7 +102,7 @@ def _resistance(boat: Boat, of: Reference) -> Iterable[Number]:
         yield _share("resistance.table", "1", "resistance_scale", scale, 0.4, straight)
     else:
         for name, where in (("x_0_ahead", straight), ("x_0_astern", "straight runs astern")):
-            value = getattr(boat.resistance, name) * load_factor(parameters(boat))[0]
+            value = getattr(boat.resistance, name) * _load_factor(parameters(boat))[0]
             yield _share(f"resistance.{name}", "1", name, value, 0.5, where)
     yield _damping(boat, "linear_drag", 0.2 * of.damping, "N s/m", "coasting to a stop")
     yield _damping(boat, "linear_sway_damping", 0.15 * of.damping, "N s/m", "slow turns")
@@ -113,14 +113,14 @@ def write_numbers(numbers: Sequence[Number], made: NDArray[Any], x: Array) -> No
     """Put the numbers x (n, p) into records (n,) of the boat that they are of, in place."""
     by_drift = "x_0_ahead" in (made.dtype.names or ())  # its reference mass is the boat's own
     for name in ("x_0_ahead", "x_0_astern") if by_drift else ():
-        made[name] *= load_factor(made)
+        made[name] *= _load_factor(made)
     for number, own in zip(numbers, x.T, strict=True):
         number.write(made, own)
     if by_drift:
         made["reference_mass"] = made["mass"]
 
 
-def load_factor(record: NDArray[np.void]) -> Array:
+def _load_factor(record: NDArray[np.void]) -> Array:
     """(n,) resistance at the mass of records over that at their reference mass: load to the 2/3."""
     return np.cbrt((record["mass"] / record["reference_mass"]) ** 2)
 
