@@ -23,7 +23,7 @@ from swamp_rl.logs.frames import (
 )
 from swamp_rl.logs.join import Series, joined
 from swamp_rl.logs.log import Log, LogTable, words_of
-from swamp_rl.logs.mapping import Mapping
+from swamp_rl.logs.mapping import Mapping, is_time
 from swamp_rl.runs.bad_rows import first_of
 from swamp_rl.runs.check import repeated_times
 from swamp_rl.runs.columns import is_angle
@@ -62,7 +62,11 @@ def foreign_of(
     mapping that does not fit together, tables without a common time.
     """
     refuse_halves(mapping.columns)
-    found = {name: _resolved(log, name, node) for name, node in mapping.columns.items() if not _is_time(name)}
+    found = {
+        name: _resolved(log, f"--map {name}", node)
+        for name, node in mapping.columns.items()
+        if not is_time(name)
+    }
     for name in mapping.columns.keys() - found.keys() - {"time"}:
         if (table := name.rpartition(".")[0]) not in log.tables:
             near = nearest(table, list(log.tables))
@@ -198,16 +202,17 @@ def _renamed(fault: Fault, mapping: Mapping) -> Fault:
     return replace(fault, column=column_of(name, mapping))
 
 
-def _resolved(log: Log, name: str, node: Node) -> Column:
+def _resolved(log: Log, where: str, node: Node) -> Column:
     """The one table that an expression reads, and its columns by the names in the expression."""
     tables: dict[str, dict[str, str]] = {}
     for word in dict.fromkeys(names_in(node)):
-        table, column = _find(log, f"--map {name}", word)
+        table, column = _find(log, where, word)
         tables.setdefault(table, {})[word] = column
     if len(tables) > 1:
         raise UserError(
-            f"--map {name}: reads the tables {' and '.join(tables)}, whose rows have times of their own; map "
-            "each to a column of its own, then import that dataset with this expression of its columns"
+            f"{log.file}: {where}: reads the tables {' and '.join(tables)}, whose rows have times of their "
+            "own; map each to a column of its own, then import that dataset with this expression of its "
+            "columns"
         )
     return Column(node, *next(iter(tables.items()), ("", {})))
 
@@ -279,11 +284,6 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
     return from_numbers(values, f"{log.file}: {where}", factor("time", unit) if unit else None)
 
 
-def _is_time(name: str) -> bool:
-    """Whether a name of a mapping is that of times, of all tables or of one."""
-    return name.rpartition(".")[2] == "time"
-
-
 def _shifted(told: Stamps, node: Node, word: str) -> Stamps:
     """The times that an expression makes of others [s], as `Uhrzeit - 7200` of a clock two hours ahead."""
     values = np.array(np.broadcast_to(evaluated(node, {word: told.start + told.time}), told.time.shape))
@@ -342,13 +342,8 @@ def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str
     found: dict[str, tuple[float, str]] = {}
     settled: set[str] = set()
     for pair in mapping.clock:
-        where = f"--clock {clipped(pair)}"
-        one, sign, other = pair.partition("~")
-        if not sign:
-            raise UserError(
-                f"{where}: give one quantity of two tables, as in 'IMU.GyrZ ~ turn_rate(ATT.Yaw)'"
-            )
-        first, second = (_resolved(log, "clock", parsed(text.strip())) for text in (one, other))
+        where = f"{log.file}: {pair.where}"
+        first, second = (_resolved(log, pair.where, node) for node in (pair.one, pair.other))
         for column in (first, second):
             if column.table not in stamps:
                 raise UserError(f"{where}: table {column.table or '(none)'} is not used by the mapping")
@@ -362,7 +357,7 @@ def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str
         settled |= {first.table, second.table}
         begin = min(stamps[first.table].start, stamps[second.table].start)
         records = [_record(log, column, stamps[column.table], begin) for column in (first, second)]
-        offset = clock_offset(records[0], records[1], f"{log.file}: {where}")
+        offset = clock_offset(records[0], records[1], where)
         shift = offset.seconds + found.get(first.table, (0.0, ""))[0]
         told = f"{second.table} shifted by {shift:+.3f} s (correlation {offset.correlation:.2f})"
         found[second.table] = (shift, told)

@@ -102,11 +102,14 @@ class Call:
 Node = Number | Name | Call
 
 
-def parsed(text: str) -> Node:
-    """The tree of an expression; UserError with the place where it is none."""
+def parsed(text: str, timed: bool = True) -> Node:
+    """The tree of an expression; UserError with the place where it is none.
+
+    timed: whether the times of its table are known, which the functions of TIMED need.
+    """
     if len(text) > LONGEST:
         raise UserError(f"expression {clipped(text)!r}: has {len(text)} characters, at most {LONGEST}")
-    reader = _Reader(text)
+    reader = _Reader(text, timed)
     node = reader.comparison(0)
     if reader.kind:
         raise reader.refusal("the end of the expression, or an operator")
@@ -125,7 +128,7 @@ def names_in(node: Node) -> Iterator[str]:
 def evaluated(node: Node, columns: Mapping[str, Array], time: Array | None = None) -> Array:
     """The expression's values (T,), not finite where it has none. KeyError: no such column.
 
-    time: (T,) s, for the functions of TIMED; UserError where it is needed and not there.
+    time: (T,) s, for the functions of TIMED.
     """
     with np.errstate(all="ignore"):
         return np.asarray(_value(node, columns, time), float)
@@ -151,10 +154,7 @@ def _value(node: Node, columns: Mapping[str, Array], time: Array | None) -> Arra
 def _timed(function: str, values: Array, time: Array | None) -> Array:
     """Derivative or integral (T,) over the times in their order, of rows with one time by the last value; an
     integral is 0 at the first time, and linear across gaps."""
-    if time is None:
-        raise UserError(
-            f"{function}(): needs the times of the table; it cannot be used in their own expression"
-        )
+    assert time is not None
     timed = np.isfinite(time)
     times, row = np.unique(time[timed], return_inverse=True)
     last = np.empty(len(times))
@@ -180,8 +180,8 @@ def _over(function: str, values: Array, time: Array) -> Array:
 class _Reader:
     """The tokens of an expression, one at a time."""
 
-    def __init__(self, text: str) -> None:
-        self.text, self.at, self.next_at = text, 0, 0
+    def __init__(self, text: str, timed: bool) -> None:
+        self.text, self.timed, self.at, self.next_at = text, timed, 0, 0
         self.kind, self.word = "", ""
         self.advance()
 
@@ -255,6 +255,11 @@ class _Reader:
             known = ", ".join([*FUNCTIONS, *TIMED])
             raise UserError(
                 f"expression {clipped(self.text)!r}: no function {clipped(word)}; there are {known}{QUOTING}"
+            )
+        if word in TIMED and not self.timed:
+            raise UserError(
+                f"expression {clipped(self.text)!r}: {word}() needs the times of the table; it cannot be "
+                "used in their own expression"
             )
         arguments = [self.comparison(depth + 1)]
         while self.take(","):

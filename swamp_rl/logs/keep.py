@@ -22,7 +22,7 @@ def kept_parts(found: Foreign) -> list[Foreign]:
     """
     if KEEP not in found.table.columns:
         return [found]
-    keep = np.nan_to_num(found.table.columns[KEEP]) != 0.0
+    keep = np.nan_to_num(found.table.columns[KEEP], posinf=0.0, neginf=0.0) != 0.0
     edges = np.flatnonzero(np.diff(keep, prepend=False, append=False)).reshape(-1, 2).tolist()
     stretches = [slice(first, end) for first, end in edges if end - first >= FEWEST_ROWS]
     if not stretches:

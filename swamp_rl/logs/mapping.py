@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from swamp_rl.clipped import clipped
-from swamp_rl.errors import UserError
+from swamp_rl.errors import UserError, told_of
 from swamp_rl.files import read_yaml, validated
 from swamp_rl.logs.expression import Node, names_in, parsed
 from swamp_rl.runs.units import UNITS
@@ -66,6 +66,15 @@ class MappingFile(BaseModel):
 
 
 @dataclass(frozen=True)
+class Pair:
+    """Expressions of one quantity in two tables, and what names the pair in a message."""
+
+    where: str
+    one: Node
+    other: Node
+
+
+@dataclass(frozen=True)
 class Mapping:
     """`columns`: expressions by our names; `units`: what they are in, by our names; `frames`: by our names,
     those of columns that are in another one than `frame`; the rest as in `MappingFile`."""
@@ -73,7 +82,7 @@ class Mapping:
     columns: Mapped[str, Node] = field(default_factory=dict)
     units: Mapped[str, str] = field(default_factory=dict)
     frame: Frame | None = None
-    clock: Sequence[str] = ()
+    clock: Sequence[Pair] = ()
     frames: Mapped[str, Frame] = field(default_factory=dict)
 
     def time_of(self, table: str) -> str:
@@ -83,7 +92,7 @@ class Mapping:
     @property
     def names(self) -> set[str]:
         """The columns of the log that its expressions read, as `TABLE.COLUMN` or `COLUMN`."""
-        clocks = [parsed(part.strip()) for pair in self.clock for part in pair.split("~")]
+        clocks = [node for pair in self.clock for node in (pair.one, pair.other)]
         return {name for node in (*self.columns.values(), *clocks) for name in names_in(node)}
 
     def frame_of(self, name: str) -> Frame:
@@ -113,22 +122,23 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
     units: dict[str, str] = {}
     given: set[str] = set()
     said: Frame | None = None
-    clocks = list(clock)
+    clocks = [_pair(f"--clock {clipped(pair)}", pair) for pair in clock]
     for option in options:
         if found := OPTION.fullmatch(option):
             name = found[1]
             if name in given:
                 raise UserError(f"--map {name}: is given twice; leave one out")
             given.add(name)
-            columns[name] = _told(f"--map {name}", found[2])
+            columns[name] = _column(f"--map {name}", name, found[2])
             units.pop(name, None)
             continue
         file = _file(option)
-        said, clocks = file.frame or said, [*clocks, *file.clock]
+        said = file.frame or said
+        clocks += [_pair(f"{option}: clock", pair) for pair in file.clock]
         for name, whole in file.columns.items():
             if name in given:
                 continue
-            columns[name] = _told(f"{option}: columns.{name}", str(whole.value))
+            columns[name] = _column(f"{option}: columns.{name}", name, str(whole.value))
             units.pop(name, None)
             units |= {name: whole.unit} if whole.unit else {}
     if frame is not None and not columns.keys() & set(WITH_AXES):
@@ -139,11 +149,22 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
     return Mapping(columns, units, frame or said, tuple(clocks))
 
 
-def _told(where: str, text: str) -> Node:
-    try:
-        return parsed(text)
-    except UserError as error:
-        raise UserError(f"{where}: {error}") from error
+def is_time(name: str) -> bool:
+    """Whether a name of a mapping is that of times, of all tables or of one."""
+    return name.rpartition(".")[2] == "time"
+
+
+def _column(where: str, name: str, text: str) -> Node:
+    with told_of(where):
+        return parsed(text, timed=not is_time(name))
+
+
+def _pair(where: str, text: str) -> Pair:
+    one, sign, other = text.partition("~")
+    if not sign:
+        raise UserError(f"{where}: give one quantity of two tables, as in 'IMU.GyrZ ~ turn_rate(ATT.Yaw)'")
+    with told_of(where):
+        return Pair(where, parsed(one.strip()), parsed(other.strip()))
 
 
 def _file(option: str) -> MappingFile:

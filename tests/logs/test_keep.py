@@ -44,6 +44,12 @@ def test_each_stretch_that_is_kept_is_a_run_and_rows_left_out_may_be_bad(tmp_pat
     ]
 
 
+def test_rows_with_an_infinite_condition_are_not_kept(tmp_path: Path) -> None:
+    trip = log(mode=[str(int(not armed)) for armed in ARMED])
+    runs = imported(tmp_path, {"trip": trip}, "x=x", "y=y", "yaw=psi", "keep=1 / (1 - mode)")
+    assert [(run.name, len(run.time)) for run in runs] == [("trip-1", 20), ("trip-2", 40)]
+
+
 def test_bad_rows_of_a_stretch_that_is_kept_are_told_by_their_place_in_the_log(tmp_path: Path) -> None:
     trip = log(mode=[str(int(armed)) for armed in ARMED])
     trip["x"][70] = ""

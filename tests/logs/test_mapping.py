@@ -229,10 +229,8 @@ def test_clocks_of_three_tables_are_compared_in_a_chain(tmp_path: Path, boat: st
     columns["p"] = fast["throttle_port"]
     paths.append(csv_of(tmp_path / "imu.csv", {k: [repr(float(x)) for x in v] for k, v in columns.items()}))
     options = ["throttle_port=imu.p" if one == "throttle_port=ahrs.p" else one for one in JOINED]
-    to_gps, to_ahrs = (
-        "turn_rate(gps.course) ~ turn_rate(radians(ahrs.psi))",
-        "turn_rate(radians(ahrs.psi)) ~ imu.turn",
-    )
+    to_gps = "turn_rate(gps.course) ~ turn_rate(radians(ahrs.psi))"
+    to_ahrs = "turn_rate(radians(ahrs.psi)) ~ imu.turn"
     (run,) = imported(paths, boat, options, join="trip", clock=[to_gps, to_ahrs])
     told = (run.meta.model_extra or {})["clocks"]
     assert "ahrs shifted by -1.3" in told and re.search(r"imu shifted by -(3\.0|2\.99)", told)
@@ -241,9 +239,10 @@ def test_clocks_of_three_tables_are_compared_in_a_chain(tmp_path: Path, boat: st
         imported(paths, boat, options, join="trip", clock=[to_ahrs, to_gps])
 
 
-def test_a_clock_of_quantities_that_differ_is_refused(tmp_path: Path, boat: str) -> None:
-    with pytest.raises(UserError, match="correlation"):
-        imported(two_tables(tmp_path), boat, JOINED, join="trip", clock=["gps.n ~ -rate(ahrs.p)*0 + 1"])
+def test_a_clock_of_other_quantities_is_refused(tmp_path: Path, boat: str) -> None:
+    for other, told in ("-rate(ahrs.p)*0 + 1", "correlation"), ("ahrs.z", "ahrs has no field 'z'"):
+        with pytest.raises(UserError, match=rf"--clock gps\.n ~ {re.escape(other)}: {told}"):
+            imported(two_tables(tmp_path), boat, JOINED, join="trip", clock=[f"gps.n ~ {other}"])
 
 
 def test_a_pause_of_a_table_is_a_bad_stretch_and_can_be_filled(tmp_path: Path, boat: str) -> None:
