@@ -23,6 +23,8 @@ from numba.core import cgutils, event
 from numba.core.caching import UserProvidedCacheLocator
 from numba.core.registry import CPUDispatcher
 
+from swamp_rl.physics.code_cache import CodeCache
+
 F = TypeVar("F", bound=Callable[..., object])
 
 LOG = logging.getLogger(__name__)
@@ -30,7 +32,7 @@ LOG = logging.getLogger(__name__)
 
 KEPT_CACHES = 4
 ROOM = 2**26
-"""Bytes that must be free where machine code is kept: numba ends the command where it cannot write it."""
+"""Bytes that must be free where machine code is kept."""
 
 # A division by zero is inf or nan, no exception; no wrapper for calls from C, a tenth of a compilation.
 NUMERICS: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
@@ -180,7 +182,7 @@ def _kept(function: Any, part: str) -> Any:
     before = config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES
     config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES = str(folder / part), f"{__name__}.{_ByPlace.__name__}"
     try:
-        function.enable_caching()
+        function._cache = CodeCache(function.py_func)
     finally:
         config.CACHE_DIR, config.CACHE_LOCATOR_CLASSES = before
     return function
