@@ -3,11 +3,12 @@
 import numpy as np
 from swamp_rl.envs.again import same_episode
 from swamp_rl.envs.line_of_sight_damping import suited
+from swamp_rl.envs.observation import observed
 from swamp_rl.experiments.artifacts.stages import say
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
-from swamp_rl.errors import UserError
+from swamp_rl.errors import UserError, told_of
 from swamp_rl.evaluation import drive
 from swamp_rl.files import shipped_folders
 from swamp_rl.pilots.arguments import Asked, opened
@@ -21,7 +22,7 @@ from swamp_rl.runs import Run, RunMeta
 def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
     """The pilot, to drive that boat at that time between decisions [s]; a note where it was made for another.
 
-    UserError as `check_made_for`, and for a pilot that is missing or damaged.
+    UserError as `check_made_for`, and for a pilot that is missing or damaged, or observes what there is not.
     """
     try:
         made = None if asked.folder is None else describe_pilot(asked.folder).made
@@ -30,6 +31,8 @@ def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
         if asked.folder in shipped_folders("pilots").values():
             raise UserError(f"{str(error).rpartition(';')[0]}; install swamp-rl again") from error
         raise
+    with told_of(asked.folder or (asked.kind if ":" in asked.kind else asked.name)):
+        observed(pilot.senses)
     if (line := check_made_for(asked.folder or asked.name, made, boat, step)) is not None:
         say(line)
     return pilot

@@ -65,6 +65,10 @@ def demo(
     refuse_suffix("--save", save, ".rrd")
     refuse_suffix("--video", video, ".mp4", ".gif")
     refuse_suffix("--html", html, ".html")
+    if video:
+        from swamp_rl.demo.video import refuse_speed
+
+        refuse_speed(speed)
     refuse_missing(sources or [])
     if window and not has_display():
         raise UserError(NOTHING_TO_DO)
@@ -86,6 +90,10 @@ def _write(
     speed: float,
 ) -> None:
     """The files that are asked for."""
+    if video:
+        from swamp_rl.demo.video import frame_count, write_video
+
+        frame_count(video, scene, speed)
     if save:
         from swamp_rl.demo.recording import write_recording
 
@@ -97,8 +105,6 @@ def _write(
         write_page(html, scene, layout)
         typer.echo(f"{html}: open it in any browser")
     if video:
-        from swamp_rl.demo.video import write_video
-
         frames = write_video(video, scene, layout, speed)
         typer.echo(f"{video}: {frames} frames")
 

@@ -32,19 +32,30 @@ WATER = "#eaf3f9"
 NAME_AT = np.array([18.0, -18.0])  # pixels from a boat to the lower left corner of its name
 
 
+def refuse_speed(speed: float) -> None:
+    """UserError for a playback rate that is none."""
+    if not 0.0 < speed < math.inf:
+        raise UserError(f"--speed {speed:g}: give a number above 0")
+
+
+def frame_count(path: Path, scene: DemoScene, speed: float) -> int:
+    """Frames of the film without its ending; UserError for a speed that is none or gives too many."""
+    refuse_speed(speed)
+    frames = math.ceil(min(scene.end / speed * SIZES[path.suffix.lower()][2], 1e9)) + 1
+    if frames > MOST_FRAMES:
+        raise UserError(f"--speed {speed:g}: would give {frames} frames, at most {MOST_FRAMES}; give more")
+    return frames
+
+
 def write_video(path: Path | str, scene: DemoScene, layout: Layout = "overlay", speed: float = 4.0) -> int:
     """Write the film and return its number of frames; `speed`: seconds of the scene in one of the film.
 
-    UserError for a speed that is none, where the file cannot be written, or where imageio-ffmpeg is missing.
+    UserError as `frame_count`, where the file cannot be written, or where imageio-ffmpeg is missing.
     """
     path = Path(path)
     width, height, rate = SIZES[path.suffix.lower()]
-    frames = math.ceil(scene.end / speed * rate) + 1 if 0.0 < speed < math.inf else 0
+    frames = frame_count(path, scene, speed)
     ending = round(CARD * rate)
-    if not 0 < frames <= MOST_FRAMES:
-        raise UserError(
-            f"--speed {speed:g}: would give {frames} frames, not 1 to {MOST_FRAMES}; name another"
-        )
     times = np.minimum(np.arange(frames) * speed / rate, scene.end)
     pictures = _pictures(scene, layout, times, ending, (width, height))
     with write_beside(path) as part:

@@ -99,6 +99,18 @@ def test_a_pilot_of_another_boat_with_the_same_thrusters_drives_with_a_note(
     assert said in told and len(told.splitlines()) == bool(said)
 
 
+def test_a_pilot_that_observes_what_there_is_not_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    methods = "train = save = load = reset = act = print"
+    (tmp_path / "dreamer.py").write_text(f"class Pilot:\n    senses = 'north', 'nort'\n    {methods}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(
+        UserError, match=r"^dreamer:Pilot: observation: unknown name 'nort'; did you mean 'north'"
+    ):
+        opened_for(asked_pilot("dreamer:Pilot"), BOAT, STEP)
+
+
 def test_beside_runs_without_a_course_no_pilot_is_flown(tmp_path: Path) -> None:
     folder = dataset(tmp_path / "pond", "human", ["x"], course=None)
     with pytest.raises(UserError, match="no course"):

@@ -102,6 +102,9 @@ def test_damaged_results_are_told_without_the_words_of_python(results: Path, tex
         (["--save", "demo.txt"], "end the name in .rrd"),
         (["--video", "demo.avi"], "end the name in .mp4 or .gif"),
         (["--html", "demo"], "end the name in .html"),
+        (["--video", "demo.mp4", "--speed", "0"], "--speed 0: give a number above 0"),
+        (["--video", "demo.gif", "--speed", "nan"], "--speed nan: give a number above 0"),
+        (["--html", "a.html", "--video", "a.gif", "--speed", "1e-9"], "--speed 1e-09: would give"),
         (["--web", "--port", "99999"], "--port"),
     ],
 )
