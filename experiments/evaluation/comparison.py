@@ -29,7 +29,9 @@ from swamp_rl.evaluation import (
     probability_of_improvement,
     sign_flip_test,
     success_difference,
+    success_difference_of_seeds,
     wilson,
+    with_episodes,
 )
 from swamp_rl.evaluation.permutation import RESAMPLES
 
@@ -152,23 +154,26 @@ def pilot_row(
     levels = {}
     for column, (level, seeds) in enumerate(episodes.items()):
         own, n = table[:, column], len(seeds)
-        of_seeds = interquartile_mean(own[:, None], rng)
+        of_seeds = with_episodes(interquartile_mean(own[:, None], rng), n)
         found = of_seeds if len(own) > 1 else wilson(round(own[0] * n), n)
         levels[level] = {
             "success": without_nan(asdict(found)),
-            "interval": "bootstrap over training seeds" if len(own) > 1 else "Wilson over episodes",
+            "interval": "bootstrap over training seeds, Wilson over episodes"
+            if len(own) > 1
+            else "Wilson over episodes",
             "by_seed": own.tolist(),
         }
     for quantity in quantities[1:]:
         means = [mean(column) for column in scores(pilot, episodes, quantity).T]
         for level, value in zip(levels, means, strict=True):
             levels[level][quantity] = value if math.isfinite(value) else None
+    over_all = with_episodes(interquartile_mean(table, rng), sum(map(len, episodes.values())))
     return {
         "name": pilot.label,
         "seeds": len(pilot.results),
         "folders": [str(result.folder) for result in pilot.results],
         "levels": levels,
-        "interquartile_mean": without_nan(asdict(interquartile_mean(table, rng))),
+        "interquartile_mean": without_nan(asdict(over_all)),
     }
 
 
@@ -185,9 +190,12 @@ def _pair(
     for level, seeds in episodes.items():
         for quantity in quantities:
             first, second = (_over_seeds(one.tables(level), seeds, quantity) for one in (a, b))
-            one_training = len(a.results) == len(b.results) == 1  # then each episode succeeds or fails
-            of_rates = one_training and quantity == "success"
-            found = success_difference(first, second) if of_rates else paired_difference(first, second, rng)
+            if quantity != "success":
+                found = paired_difference(first, second, rng)
+            elif len(a.results) == len(b.results) == 1:  # each episode succeeds or fails
+                found = success_difference(first, second)
+            else:
+                found = success_difference_of_seeds(first, second, rng)
             p = sign_flip_test(first - second, rng, max(RESAMPLES, FINEST * planned)) if found.n else math.nan
             row = {"a": a.label, "b": b.label, "level": level, "quantity": quantity}
             rows.append(row | asdict(found) | {"p": p})

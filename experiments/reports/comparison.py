@@ -10,10 +10,10 @@ Found = Mapping[str, Any]
 DIFFERENCE_HEADS = ("mean (95 %, uncorrected)", "p (Holm)")
 SUCCESS_PAIRED = (
     "## Success rate, paired differences\n\n"
-    "Paired over the episodes. Intervals: with one training seed Tango's score interval, with several a "
-    "bootstrap. p is from a sign-flip test, corrected by Holm over all {} comparisons of this report. The "
-    "intervals are not corrected, so one may exclude zero where p is above 0.05: decide by p. Both hold for "
-    "these trained pilots."
+    "Paired over the episodes. Intervals: with one training seed Tango's score interval, with several "
+    "Gaffke's for bounded differences. p is from a sign-flip test, corrected by Holm over all {} comparisons "
+    "of this report. The intervals are not corrected, so one may exclude zero where p is above "
+    "0.05: decide by p. Both hold for these trained pilots."
 )
 COSTS_PAIRED = (
     "## Costs, paired differences\n\n"
@@ -61,9 +61,9 @@ def success(found: Found) -> str:
     return (
         "## Success rate\n\n"
         "Percent. With one training seed: Wilson's 95 % interval over the episodes, of this one trained "
-        "pilot. With several: the interquartile mean over them and its 95 % bootstrap interval, of the "
-        "training method. Fewer than about five seeds make that interval too narrow.\n\n"
-        + success_table(found)
+        "pilot. With several: the interquartile mean over them, of the training method, with a 95 % interval "
+        "of the seeds (bootstrap) and the episodes (Wilson). Fewer than about five seeds make it too "
+        "narrow.\n\n" + success_table(found)
     )
 
 

@@ -176,8 +176,8 @@ def page(board: Board, mark: str = "") -> str:
     parts = [
         "<h1>Leaderboard</h1><p>One row for each pilot at each level of disturbance. With one training seed "
         "the interval is Wilson's, over the episodes of that one trained pilot; with several, success is the "
-        "interquartile mean over them and the interval a bootstrap over them. Costs are means over the "
-        "successful episodes. Click a heading to sort.</p>"
+        "interquartile mean over them, the interval of seeds (bootstrap) and episodes (Wilson). Costs are "
+        "means over the successful episodes. Click a heading to sort.</p>"
     ]
     for title in dict.fromkeys(row.setting for row in board.rows):
         rows = [row for row in board.rows if row.setting == title]

@@ -20,7 +20,14 @@ from swamp_rl.evaluation.seeds import (
     interquartile_mean,
     probability_of_improvement,
 )
-from swamp_rl.evaluation.statistics import Interval, paired_difference, success_difference, wilson
+from swamp_rl.evaluation.statistics import (
+    Interval,
+    paired_difference,
+    success_difference,
+    success_difference_of_seeds,
+    wilson,
+    with_episodes,
+)
 
 __all__ = [
     "COSTS",
@@ -45,7 +52,9 @@ __all__ = [
     "read_episodes",
     "sign_flip_test",
     "success_difference",
+    "success_difference_of_seeds",
     "summary",
     "wilson",
+    "with_episodes",
     "write_episodes",
 ]

@@ -69,6 +69,42 @@ def success_difference(a: ArrayLike, b: ArrayLike) -> Interval:
     return Interval(value, low, high, n)
 
 
+def success_difference_of_seeds(a: ArrayLike, b: ArrayLike, rng: np.random.Generator) -> Interval:
+    """Difference a − b of the success rates of several training seeds each, over episodes driven by all.
+
+    `a` and `b` (n,) hold each episode's share of seeds that succeed. The ends are those of Gaffke (2005,
+    Math. Methods Stat. 14; Learned-Miller and Thomas 2020, arXiv 1905.06208) for the mean of a bounded
+    quantity: quantiles of Σ wᵢ dᵢ + w₀ e, w uniform on the simplex, e = −1 for the low end and 1 for the high
+    one. They keep a width where the pilots agree in every episode. ValueError where the shapes differ or n
+    is 0.
+    """
+    difference = _differences(a, b)
+    n = len(difference)
+    if not n:
+        raise ValueError("no episode to compare")
+    sums, ends, totals = [], [], []
+    for _ in range(RESAMPLES // 100):
+        weights = rng.standard_exponential((100, n + 1))
+        sums.append(weights[:, 1:] @ difference)
+        ends.append(weights[:, 0])
+        totals.append(weights.sum(axis=1))
+    drawn, end, total = (np.concatenate(parts) for parts in (sums, ends, totals))
+    low, high = np.quantile((drawn - end) / total, ENDS[0]), np.quantile((drawn + end) / total, ENDS[1])
+    return Interval(float(difference.mean()), float(low), float(high), n)
+
+
+def with_episodes(found: Interval, episodes: int) -> Interval:
+    """A success rate over training seeds, its interval widened by the chance of their common episodes.
+
+    The distances to the ends of the interval and to those of Wilson's over the episodes are added in squares
+    (Newcombe 1998, Stat. Med. 17, 873, method 10; Zou and Donner 2008, Stat. Med. 27).
+    """
+    own = wilson(round(found.value * episodes), episodes)
+    low = found.value - math.hypot(found.value - found.low, own.value - own.low)
+    high = found.value + math.hypot(found.high - found.value, own.high - own.value)
+    return Interval(found.value, max(low, 0.0), min(high, 1.0), found.n)
+
+
 def paired_difference(
     a: ArrayLike, b: ArrayLike, rng: np.random.Generator, resamples: int = RESAMPLES
 ) -> Interval:

@@ -7,7 +7,14 @@ import pytest
 from scipy.special import ndtri
 from scipy.stats import binomtest
 
-from swamp_rl.evaluation.statistics import paired_difference, success_difference, wilson
+from swamp_rl.evaluation.statistics import (
+    Interval,
+    paired_difference,
+    success_difference,
+    success_difference_of_seeds,
+    wilson,
+    with_episodes,
+)
 
 
 @pytest.mark.parametrize(
@@ -97,6 +104,43 @@ def test_the_interval_of_six_paired_costs_covers_the_truth_about_nineteen_times_
 def test_one_pair_of_costs_has_no_interval() -> None:
     interval = paired_difference([3.0], [1.0], np.random.default_rng(0))
     assert (interval.value, interval.n) == (2.0, 1) and np.isnan([interval.low, interval.high]).all()
+
+
+def test_seeds_that_agree_in_every_episode_may_still_differ_as_clopper_and_pearson_have_it() -> None:
+    agreed = np.full(50, 0.8)
+    found = success_difference_of_seeds(agreed, agreed, np.random.default_rng(0))
+    end = 1.0 - 0.025 ** (1 / 50)
+    assert found.value == 0.0
+    assert (-found.low, found.high) == (pytest.approx(end, rel=0.1), pytest.approx(end, rel=0.1))
+
+
+def test_the_difference_of_one_seed_from_a_pilot_that_always_fails_has_the_ends_of_clopper_and_pearson() -> (
+    None
+):
+    won = np.repeat([1.0, 0.0], [30, 20])
+    found = success_difference_of_seeds(won, np.zeros(50), np.random.default_rng(1))
+    theirs = binomtest(30, 50).proportion_ci(0.95, method="exact")
+    assert found.value == pytest.approx(0.6)
+    assert found.high == pytest.approx(theirs.high, abs=0.01)
+    assert found.low < theirs.low  # a difference may be -1, a rate may not
+
+
+def test_the_difference_over_seeds_covers_the_truth_at_least_nineteen_times_in_twenty() -> None:
+    rng, covered = np.random.default_rng(2), 0
+    for _ in range(300):
+        hard = rng.random(40)[:, None]  # episodes are easy or hard for all seeds of both pilots
+        a, b = (rng.random((40, 3)) < hard**power for power in (0.2, 0.5))
+        found = success_difference_of_seeds(a.mean(axis=1), b.mean(axis=1), rng)
+        covered += found.low <= 1 / 1.2 - 1 / 1.5 <= found.high
+    assert covered / 300 >= 0.93
+
+
+def test_a_rate_over_seeds_that_all_succeed_has_the_width_of_its_episodes() -> None:
+    assert with_episodes(Interval(1.0, 1.0, 1.0, 5), 100).low == pytest.approx(wilson(100, 100).low)
+    wide = with_episodes(Interval(0.5, 0.2, 0.8, 5), 100)
+    assert wide.high == pytest.approx(0.5 + np.hypot(0.3, wilson(50, 100).high - 0.5))
+    assert with_episodes(Interval(0.1, 0.0, 0.9, 5), 10).low == 0.0
+    assert np.isnan(with_episodes(Interval(0.5, np.nan, np.nan, 1), 10).low)
 
 
 def test_paired_difference_of_a_constant_shift_is_that_shift_exactly() -> None:
