@@ -18,6 +18,7 @@ from docs.generate.files import (
     vehicle_file,
 )
 from docs.generate.interface import modules, public_names
+from docs.generate.licences import licences
 
 PARTS: dict[str, Callable[[], str]] = {
     "boat file": boat_file,
@@ -28,6 +29,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "estimates": estimates,
     "examples": examples,
     "experiment file": experiment_file,
+    "licences": licences,
     "mission file": mission_file,
     "path file": path_file,
     "modules": modules,

@@ -1,12 +1,15 @@
 """The site: built without a warning, without the network, and written from the declarations."""
 
 import re
+import tomllib
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 import typer
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 from playwright.sync_api import Browser
 from swamp_rl.experiments.cli.app import app
 
@@ -106,6 +109,19 @@ def test_the_boat_file_has_every_key_with_its_unit() -> None:
     boat = swamp_rl.load_boat("swamp")
     for dotted, number in boat.provenance.items():
         assert re.search(rf"\| `{dotted.split('.')[-1]}` \| {re.escape(number.unit)} \|", text), dotted
+
+
+def test_the_licence_of_every_direct_dependency_is_told() -> None:
+    found = [line.split(" | ") for line in PARTS["licences"]().splitlines()[2:]]
+    told = {cells[0].strip("| `"): cells[-1].strip(" |") for cells in found}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    named = [project["dependencies"], *project["optional-dependencies"].values()]
+    needed = [Requirement(line) for lines in named for line in lines]
+    assert set(told) == {canonicalize_name(one.name) for one in needed} - {"swamp-rl"}
+    unknown = {name for name, licence in told.items() if licence in ("", "None", "UNKNOWN")}
+    absent = {name for name, licence in told.items() if licence.startswith("not installed")}
+    assert not unknown and absent <= {"atheris"}
+    assert "LGPL" in told["pymavlink"] and told["pydantic"] == "MIT"
 
 
 def test_a_table_drops_empty_columns_and_escapes_bars() -> None:
