@@ -282,7 +282,7 @@ def _carried_out(signals: list[int]) -> tuple[int, str]:
 
         return BAD_INPUT, str(os_error(error, "the operating system"))
     except MemoryError as error:
-        return BAD_INPUT, f"{error or 'no memory is left'}; ask for less at once"
+        return BAD_INPUT, f"{str(error) or 'no memory is left'}; ask for less at once"
     except (KeyboardInterrupt, typer.Abort):
         return INTERRUPTED, ""
     except Exception as error:
@@ -320,8 +320,13 @@ def _refuse_odd_arguments() -> None:
 
 
 def _refuse_settings_here() -> None:
-    """UserError for what libraries would read in the working directory, perhaps that of a stranger's dataset:
-    settings of numba change what is computed, and matplotlib ends at a file of settings that is no text."""
+    """UserError where there is no working directory, and for what libraries would read in it, perhaps that of
+    a stranger's dataset: settings of numba change what is computed, and matplotlib ends at a file of settings
+    that is no text."""
+    try:
+        os.getcwd()
+    except FileNotFoundError as error:
+        raise UserError("the working directory was removed; change to another one") from error
     if os.path.lexists(NUMBA_SETTINGS):
         raise UserError(
             f"{NUMBA_SETTINGS}: numba would take its settings from it; remove it, or work in another folder"

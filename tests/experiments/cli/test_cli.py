@@ -279,11 +279,12 @@ def raising(error: BaseException) -> Callable[..., None]:
     return fail
 
 
-def test_a_full_disk_is_one_line(call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(os, "fsync", raising(OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))))
-    words = ["simulate", "--commands", folder / "one.csv", "--out", "a.csv"]
-    assert_complains(call(*words), "a.csv: No space left on device; free some room")
-    assert not Path("a.csv").exists()
+def test_a_full_disk_or_memory_is_one_line(call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    full = OSError(errno.ENOSPC, "Full")
+    for error, told in (full, "a.csv: Full; free some room"), (MemoryError(), "no memory is left; ask"):
+        monkeypatch.setattr(os, "fsync", raising(error))
+        assert_complains(call("simulate", "--commands", folder / "one.csv", "--out", "a.csv"), told)
+        assert not Path("a.csv").exists()
 
 
 def test_an_interrupted_verb_is_one_line_with_the_usual_exit_code(

@@ -1,5 +1,6 @@
 """A stranger's folder as working directory: what lies in it is neither run nor taken for settings."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 from swamp_rl.demo.viewer import RERUN
 from swamp_rl.figure_style import sheet
 from swamp_rl.workers.processes import ProcessPool
-from tests.support.command_line import Call
+from tests.support.command_line import Call, assert_complains
 
 ROOT = Path(__file__).parents[3]
 MODULES = ("multiprocessing", "rerun_cli", "runpy", "sitecustomize", "socket", "yaml")
@@ -89,3 +90,12 @@ def test_settings_of_libraries_in_the_working_directory_are_refused(
     code, out, err = call("boats")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert name in err
+
+
+def test_a_working_directory_that_was_removed_is_told(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "gone").mkdir()
+    os.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    assert_complains(
+        call("runs", "doctor", "../data"), "the working directory was removed; change to another"
+    )
