@@ -262,6 +262,7 @@ def _carried_out(signals: list[int]) -> tuple[int, str]:
     try:
         _refuse_odd_arguments()
         _refuse_settings_here()
+        _refuse_environment()
         return app(prog_name=NAME, standalone_mode=False) or 0, ""
     except typer.TyperException as error:
         # Without any argument Typer has printed the help and has nothing to add.
@@ -338,6 +339,15 @@ def _refuse_settings_here() -> None:
             raise UserError(
                 f"{FIGURE_SETTINGS}: matplotlib cannot read it ({error}); remove it or work elsewhere"
             ) from error
+
+
+def _refuse_environment() -> None:
+    """UserError for settings of numba in environment variables with which nothing is compiled."""
+    if (given := os.environ.get("NUMBA_DISABLE_JIT", "0")) not in ("", "0"):
+        raise UserError(f"NUMBA_DISABLE_JIT is {given}: the simulator must be compiled; unset this variable")
+    threads = os.environ.get("NUMBA_NUM_THREADS", "1").strip()
+    if re.fullmatch("-[0-9]+|0+", threads):
+        raise UserError(f"NUMBA_NUM_THREADS is {threads}: give 1 or more, or unset this variable")
 
 
 def _complain(line: str) -> None:

@@ -99,3 +99,13 @@ def test_a_working_directory_that_was_removed_is_told(call: Call, tmp_path: Path
     assert_complains(
         call("runs", "doctor", "../data"), "the working directory was removed; change to another"
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("DISABLE_JIT", "1"), ("NUM_THREADS", "0"), ("NUM_THREADS", "-2")]
+)
+def test_settings_of_numba_with_which_nothing_is_compiled_are_told(
+    call: Call, monkeypatch: pytest.MonkeyPatch, name: str, value: str
+) -> None:
+    monkeypatch.setenv(f"NUMBA_{name}", value)
+    assert_complains(call("effects"), f"NUMBA_{name} is {value}: ", "unset this variable")
