@@ -12,7 +12,7 @@ from swamp_rl.criticism.inference.special_cases import with_sufficient_special_c
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.selection.backward_elimination import Selection, with_special_cases
 from swamp_rl.criticism.selection.continuation import continuation_of
-from tests.support.criticism import SECONDS, simulated_runs
+from tests.support.criticism import DT, SECONDS, driven, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
@@ -60,3 +60,12 @@ def test_a_special_case_that_is_already_there_is_not_there_twice() -> None:
 
 def test_an_uneven_efficiency_stays_a_curve() -> None:
     assert named(rounded(simulated_runs([CURVE]), 0.05)) == ["thruster_efficiency_curve bs"]
+
+
+def test_a_curve_of_which_each_run_shows_one_throttle_stays_a_curve() -> None:
+    time = np.arange(round(SECONDS / DT)) * DT
+    steered = np.zeros((2, len(time), 8))
+    steered[..., :4] = np.outer(0.4 * np.sign(np.sin(2 * np.pi * time / 9.0)), [1, 1, -1, -1])
+    steered[..., 4:] = np.reshape([0.62, 0.8], (2, 1, 1))
+    curve = {**CURVE, "at_60": 0.87, "at_100": 1.37}
+    assert named(driven([curve], steered, 0.8, 0)) == ["thruster_efficiency_curve bs"]
