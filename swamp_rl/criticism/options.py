@@ -150,6 +150,7 @@ class Options:
     other_shares: tuple[float, ...] = (0.5, -1.0, 2.0)  # of the change: other commands that a gap may hide
     other_share_gain: float = 9.0  # chi2 that such a command must save: 3 standard errors
     longest_gap: int = 5  # rows: commands of longer gaps are not estimated
+    jump_ratio: float = 2.0  # of a ramp as steep as beside a gap: a larger change over it is a jump
     gap_rounds: int = 5  # iterations for the initial state of each window
     # ---- Weights from the model error
     model_error_short: float = 10.0  # s: windows in which model error has grown little

@@ -100,6 +100,25 @@ def test_a_standard_error_counts_that_the_command_in_lost_rows_is_unknown() -> N
     assert told > 1.1 * known
 
 
+def test_a_throttle_that_jumps_in_a_lost_row_of_a_run_of_ramps_is_not_interpolated() -> None:
+    given = np.stack([commands(1), commands(2)])
+    given[1, :, :4] = 0.3 * np.sin(0.05 * np.arange(given.shape[1]))[:, None]
+    given[1, :ROW, 4:] *= 0.4
+    sailed = driven([], given, 0.8, seed=5)
+    log, measured = given.copy(), sailed.measured.copy()
+    log[1, ROW] = 0.5 * (given[1, ROW - 1] + given[1, ROW + 1])
+    measured[1, ROW] = np.nan
+    found = replace(sailed, commands=log, measured=measured, gaps=(Gap(1, ROW, 1),))
+    continuation = continuation_of(found, weights(found, noise_levels(found)))
+    continuation.boat_file(LAST)
+    filled = continuation.problem(LAST, Hypothesis()).run_set.commands
+    assert filled[1, ROW, 4:] == pytest.approx(given[1, ROW, 4:], abs=0.02)
+    smooth = replace(found, gaps=(Gap(1, ROW + 50, 1),))
+    continuation = continuation_of(smooth, weights(smooth, noise_levels(smooth)))
+    continuation.boat_file(LAST)
+    assert np.array_equal(continuation.problem(LAST, Hypothesis()).run_set.commands, log)
+
+
 def test_a_part_of_the_runs_has_their_gaps_and_copies_with_other_commands_have_none() -> None:
     log = driven([], np.stack([commands(run) for run in range(3)]), 0.0, seed=1)
     gaps = Gap(0, 10, 1), Gap(2, 20, 2)

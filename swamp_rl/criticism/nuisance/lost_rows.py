@@ -38,7 +38,7 @@ def with_best_commands(
     run_set: RunSet, weight: Array, every: Sequence[Gap], hypothesis: Hypothesis, x: Array
 ) -> RunSet:
     """The runs with the best-fitting commands in each short gap of `every`, under a hypothesis at x (p,)."""
-    short = [gap for gap in every if gap.rows <= options().longest_gap and stepwise(run_set, gap.run)]
+    short = [gap for gap in every if gap.rows <= options().longest_gap and has_instant(run_set, gap)]
     if not short:
         return run_set
     kept = tuple(gap for gap in run_set.gaps if gap not in short)
@@ -58,9 +58,20 @@ def with_best_commands(
     return replace(run_set, commands=commands, gaps=kept, filled=tuple(short))
 
 
-def stepwise(run_set: RunSet, run: int) -> bool:
-    """Whether a run's commands are constant most of the time; others are interpolated over a gap."""
-    return are_stepwise(np.diff(run_set.commands[run, : run_set.lengths[run]], axis=0))
+def has_instant(run_set: RunSet, gap: Gap) -> bool:
+    """Whether commands change over a gap at an instant: those that are constant most of the time, and one
+    that changes by far more than in the rows beside the gap. Others move all the time and are interpolated.
+    """
+    commands = run_set.commands[gap.run, : run_set.lengths[gap.run]]
+    if are_stepwise(np.diff(commands, axis=0)):
+        return True
+    rows = np.array([gap.row - 2, gap.row - 1, gap.row + gap.rows, gap.row + gap.rows + 1])
+    change = np.diff(commands[np.clip(rows, 0, len(commands) - 1)], axis=0)
+    thrusters = change.shape[1] // 2
+    change[:, :thrusters] = within_half_turn(change[:, :thrusters])
+    before, over, after = np.abs(change)
+    ramp = (gap.rows + 1) * np.maximum(before, after)
+    return bool((over > np.maximum(options().smallest_change, options().jump_ratio * ramp)).any())
 
 
 def changes_in(run_set: RunSet, gap: Gap) -> bool:
@@ -96,7 +107,7 @@ def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> R
     for gap in every:
         window = np.flatnonzero(problem.windows.run == gap.run)
         unknown = gap.rows <= options().longest_gap and changes_in(run_set, gap)
-        if not unknown or len(window) != 1 or not stepwise(run_set, gap.run):
+        if not unknown or len(window) != 1 or not has_instant(run_set, gap):
             continue
         one = problem.part(problem.windows.run == gap.run)
         rows = slice(gap.row, gap.row + gap.rows)
