@@ -1,6 +1,6 @@
 """Predictions with the gain of the thrust estimated from a run's recent past, and whether it helps."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -32,6 +32,7 @@ STATE_ROUNDS, STEPS = 8, 4
 
 Gains = Literal["none", "common", "each"]
 """No gain, one gain of all thrusters, one gain of each."""
+CHOICES: tuple[Gains, ...] = ("none", "common", "each")
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,7 @@ def chosen_gains(training: RunSet, boat: Boat) -> tuple[Gains, dict[Gains, list[
     horizon is left out.
     """
     several = len(thruster_gains(boat, "each").instances) > 1
-    choices: list[Gains] = ["none", "common", "each"] if several else ["none", "common"]
-    errors = {choice: recent_errors(training, boat, choice) for choice in choices}
+    errors = _errors(training, boat, CHOICES if several else CHOICES[:2])
     longest = max(len(one) for one in errors.values())
     logs = {
         choice: float(np.mean(np.log([max(one.position, 1e-12) for one in own])))
@@ -63,16 +63,28 @@ def chosen_gains(training: RunSet, boat: Boat) -> tuple[Gains, dict[Gains, list[
 
 def recent_errors(run_set: RunSet, boat: Boat, gains: Gains) -> list[RecentErrors]:
     """Errors of a boat file with recent gains at every horizon that the runs hold."""
+    return _errors(run_set, boat, [gains])[gains]
+
+
+@np.errstate(over="ignore", invalid="ignore")  # where the boat diverges
+def _errors(run_set: RunSet, boat: Boat, choices: Sequence[Gains]) -> dict[Gains, list[RecentErrors]]:
+    """Errors of a boat file with each of several choices of gains, as `recent_errors`."""
     run_set = replace(run_set, boat=boat)
-    weight, hypothesis = weights(run_set, noise_levels(run_set)), thruster_gains(boat, gains)
-    with np.errstate(over="ignore", invalid="ignore"):
-        ends = predictor(run_set, recent_gains(run_set, soft_weights(weight, boat), hypothesis), hypothesis)
+    weight, hypotheses = (
+        weights(run_set, noise_levels(run_set)),
+        [thruster_gains(boat, one) for one in choices],
+    )
+    found: dict[Gains, list[RecentErrors]] = {}
+    every = _gains_of_each(run_set, soft_weights(weight, boat), hypotheses)
+    for choice, hypothesis, gains in zip(choices, hypotheses, every, strict=True):
+        ends = predictor(run_set, gains, hypothesis)
         errors = [(horizon, errors_of(run_set, weight, horizon, ends)) for horizon in options().horizons]
-    return [
-        RecentErrors(horizon, position_rmse(one))
-        for horizon, one in errors
-        if np.isfinite(one.error[:, :2]).all(axis=1).any()
-    ]
+        found[choice] = [
+            RecentErrors(horizon, position_rmse(one))
+            for horizon, one in errors
+            if np.isfinite(one.error[:, :2]).all(axis=1).any()
+        ]
+    return found
 
 
 def thruster_gains(boat: Boat, gains: Gains, spread: float = SPREAD) -> Hypothesis:
@@ -98,16 +110,22 @@ def recent_gains(run_set: RunSet, weight: Array, hypothesis: Hypothesis) -> list
 
     weight: (R, T, 6), of independent samples.
     """
-    if not hypothesis.instances:
-        return [np.ones((1 + int(length * run_set.dt / STRETCH), 0)) for length in run_set.lengths]
+    return _gains_of_each(run_set, weight, [hypothesis])[0]
+
+
+def _gains_of_each(run_set: RunSet, weight: Array, hypotheses: Sequence[Hypothesis]) -> list[list[Array]]:
+    """The gains of each hypothesis, as `recent_gains`."""
     rows, past = (round(one / run_set.dt) for one in (STRETCH, past_seconds(run_set.boat)))
-    found = []
+    found: list[list[Array]] = [[] for _ in hypotheses]
     for run, length in enumerate(run_set.lengths):
-        gains = np.ones((-(-int(length) // rows), hypothesis.size))
-        for k in range(1, len(gains)):
+        gains = [np.ones((-(-int(length) // rows), one.size)) for one in hypotheses]
+        for k in range(1, len(gains[0])):
             first = max([0, k * rows - past, *_gap_ends(run_set, run, k * rows)])
-            gains[k] = _fitted(run_set, weight, run, first, k * rows, hypothesis)
-        found.append(gains)
+            fitted = _fitted(run_set, weight, run, first, k * rows, hypotheses)
+            for own, x in zip(gains, fitted, strict=True):
+                own[k] = x
+        for before, own in zip(found, gains, strict=True):
+            before.append(own)
     return found
 
 
@@ -116,19 +134,25 @@ def _gap_ends(run_set: RunSet, run: int, end: int) -> list[int]:
     return [min(gap.row + gap.rows, end) for gap in run_set.gaps if gap.run == run and gap.row < end]
 
 
-def _fitted(run_set: RunSet, weight: Array, run: int, first: int, end: int, hypothesis: Hypothesis) -> Array:
-    """(p,) gains of those rows; 1 where they are too few or the boat diverges."""
-    none = hypothesis.prior()[0]
-    if end - first < 2:
+def _fitted(
+    run_set: RunSet, weight: Array, run: int, first: int, end: int, hypotheses: Sequence[Hypothesis]
+) -> list[Array]:
+    """(p,) gains of those rows by each hypothesis; 1 where they are too few or the boat diverges."""
+    none = [one.prior()[0] for one in hypotheses]
+    if end - first < 2 or not any(one.size for one in hypotheses):
         return none
     part, own = rows_of(run_set, run, first, end), weight[run : run + 1, first:end]
     compared = max(int(part.first_compared[0]), round(options().pad / part.dt))
     if np.count_nonzero(own[0, compared:, 0]) * part.dt < options().shortest_window:
         return none
     problem = Shooting(part, own, SHORT)
-    states = fit_states(problem, hypothesis, none, problem.initial_states(), STATE_ROUNDS)[0]
-    x = fit(problem, hypothesis, none, states, STEPS).x
-    return x if np.isfinite(x).all() else none
+    start = problem.initial_states()  # under gains of 1 the fit of the states is that of each hypothesis
+    states = fit_states(problem, Hypothesis(), np.zeros(0), start, STATE_ROUNDS)[0]
+    fitted = [
+        fit(problem, hypothesis, x, states, STEPS).x if hypothesis.size else x
+        for hypothesis, x in zip(hypotheses, none, strict=True)
+    ]
+    return [x if np.isfinite(x).all() else one for x, one in zip(fitted, none, strict=True)]
 
 
 def rows_of(run_set: RunSet, run: int, first: int, end: int) -> RunSet:
