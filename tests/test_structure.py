@@ -55,7 +55,7 @@ FLOORS = (
     {"__main__"},
 )
 CRITICISM = (
-    {"result", "progress", "options"},
+    {"result", "progress", "options", "threads"},
     {"model"},
     {"data"},
     {"likelihood"},

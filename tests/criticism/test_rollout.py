@@ -1,16 +1,19 @@
 """Simulation of many windows: divided among threads, the same bits."""
 
+from contextvars import copy_context
 from typing import Any
 
 import numba
 import numpy as np
 import pytest
 
+from swamp_rl.criticism import threads
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.likelihood import multiple_shooting
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Iterate, jacobians_at
 from swamp_rl.criticism.model import rollout
-from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates, differing
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection.score_test import neutral_start
 from tests.support.criticism import SECONDS, simulated_runs
@@ -32,6 +35,30 @@ def test_windows_divided_among_threads_are_simulated_to_the_same_bits(
         divided = problem.predict(Hypothesis((instance,)), x, np.repeat(states[None], len(x), axis=0))
     assert np.isfinite(alone).all()
     np.testing.assert_array_equal(divided, alone)
+
+
+def test_jacobians_divided_among_threads_have_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    runs = simulated_runs([])
+    problem = Shooting(runs, weights(runs, noise_levels(runs)), 5.0)
+    known = by_label(candidates(runs.boat, SECONDS))
+    windy = differing(known["wind"], "run", tuple(range(len(runs.lengths))))
+    hypothesis, states = Hypothesis((known["mass"], windy)), problem.initial_states()
+    x = np.full(hypothesis.size, 0.9)
+
+    def made() -> list[np.ndarray]:
+        at = Iterate(x, states, problem.track(hypothesis, x, states), np.zeros((0, 0)), 0.0)
+        normal = jacobians_at(problem, hypothesis, at).normal(problem.residuals(at.base))
+        return [normal.cross, normal.information, normal.gradient, normal.profile_chi2]
+
+    alone = made()
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 3)
+    begun: list[int] = []
+    monkeypatch.setattr(threads, "copy_context", lambda: begun.append(0) or copy_context())
+    with using(thread_steps=1, slope_share=1):
+        divided = made()
+    assert len(begun) == 3 * 3 and np.isfinite(alone[1]).all()  # slopes, products, normal equations
+    for one, other in zip(divided, alone, strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_one_run_and_several_are_simulated_by_the_same_compiled_function() -> None:

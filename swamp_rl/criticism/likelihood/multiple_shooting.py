@@ -19,6 +19,7 @@ from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.model.rollout import roll
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
+from swamp_rl.criticism.threads import divided
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import is_altered, observe, rows_ahead, sensors_of
@@ -338,11 +339,15 @@ class Shooting:
             row[columns] += step[columns]
         same = np.repeat(states[None], len(moves), axis=0), np.tile(acceleration, (len(moves), 1, 1))
         prediction = self.predict(hypothesis, moved, *same, block)
-        for one, (columns, own) in zip(prediction, moves, strict=True):
-            group = np.array(own.groups)[self.run_set.origins[self.windows.run]] if own.groups else None
-            mine = columns[0] if group is None else columns[group]
-            slope = self.standardised((one - base) / np.reshape(step[mine], (-1, 1, 1)))
-            slopes[np.arange(len(slopes)), :, np.searchsorted(wanted, mine)] = slope
+        origins = self.run_set.origins[self.windows.run]
+
+        def part(chosen: slice) -> None:
+            for one, (columns, own) in zip(prediction[chosen], moves[chosen], strict=True):
+                mine = columns[np.array(own.groups)[origins]] if own.groups else columns[0]
+                slope = self.standardised((one - base) / np.reshape(step[mine], (-1, 1, 1)))
+                slopes[np.arange(len(slopes)), :, np.searchsorted(wanted, mine)] = slope
+
+        divided(part, len(moves), prediction.size // options().slope_share)
         return slopes
 
     def initial_states(self, windows: Windows | None = None) -> Array:

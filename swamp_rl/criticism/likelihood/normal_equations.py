@@ -6,6 +6,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.options import options
+from swamp_rl.criticism.threads import divided
+
 Array = NDArray[np.float64]
 Products = tuple[Array, Array, Array]
 
@@ -35,7 +38,14 @@ class Normal:
 def products_of(states: Array, slopes: Array) -> Products:
     """Of Jacobians by initial states S (W, M, 6) and by parameters P (W, M, p): S'S, S'P and P'P."""
     transposed, by = np.swapaxes(states, 1, 2), np.swapaxes(slopes, 1, 2)
-    return transposed @ states, transposed @ slopes, by @ slopes
+    cross, square = (np.empty((*one.shape[:2], slopes.shape[2])) for one in (transposed, by))
+
+    def part(mine: slice) -> None:
+        np.matmul(transposed[mine], slopes[mine], out=cross[mine])
+        np.matmul(by[mine], slopes[mine], out=square[mine])
+
+    divided(part, len(slopes), slopes.size // options().slope_share)
+    return transposed @ states, cross, square
 
 
 def normal_equations(
@@ -55,8 +65,14 @@ def normal_equations(
     solved = np.linalg.solve(A, np.concatenate([C, b[..., None]], axis=2))
     across = np.swapaxes(C, 1, 2)
     by = np.swapaxes(slopes, 1, 2)
-    information = square - across @ solved[..., :-1]
-    gradient = (by @ residual[..., None])[..., 0] - (across @ solved[..., -1:])[..., 0]
+    information, gradient = np.empty_like(square), np.empty(square.shape[:2])
+
+    def part(mine: slice) -> None:
+        np.subtract(square[mine], across[mine] @ solved[mine, :, :-1], out=information[mine])
+        along = (by[mine] @ residual[mine, :, None])[..., 0]
+        gradient[mine] = along - (across[mine] @ solved[mine, :, -1:])[..., 0]
+
+    divided(part, len(slopes), slopes.size // options().slope_share)
     profile_chi2 = (residual**2).sum(axis=1) - (b * solved[..., -1]).sum(axis=1)
     return Normal(A, C, b, information, gradient, profile_chi2)
 

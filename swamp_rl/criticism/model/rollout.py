@@ -1,13 +1,11 @@
 """Compiled simulation of many windows, and the whitening filter of Gauss-Markov noise."""
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-import numba
 import numpy as np
 
 from swamp_rl.criticism.options import options
+from swamp_rl.criticism.threads import divided
 from swamp_rl.physics.compile import compiled, still_used, uncounted
 from swamp_rl.physics.force_curve import JET
 from swamp_rl.physics.motion import constants_of
@@ -51,7 +49,7 @@ def roll(
         _roll(params, which, tank, start, *where, mine.start, mine.stop)
 
     every = int(steps.sum()) * (len(start) // len(run)) * substeps
-    _divided(part, len(which), every)
+    divided(part, len(which), every)
 
 
 def roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, states: Any) -> None:
@@ -62,20 +60,7 @@ def roll_actuators(params: Any, start: Any, commands: Any, run: Any, dt: float, 
     def part(mine: slice) -> None:
         _roll_actuators(params[mine], start[mine], commands, run[mine], dt, states[mine])
 
-    _divided(part, len(start), states.shape[0] * states.shape[1] // options().actuator_share)
-
-
-def _divided(part: Callable[[slice], None], boats: int, steps: int) -> None:
-    """Call `part` with slices of the boats, on a thread for each `thread_steps` boat steps, at most numba's
-    number of them: to start threads takes as long as many of the small simulations of a fit.
-    """
-    count = min(numba.config.NUMBA_NUM_THREADS, boats, steps // options().thread_steps)
-    if count < 2:
-        part(slice(0, boats))
-        return
-    edges = np.linspace(0, boats, count + 1).astype(int)
-    with ThreadPoolExecutor(count) as pool:
-        list(pool.map(part, map(slice, edges[:-1], edges[1:])))
+    divided(part, len(start), states.shape[0] * states.shape[1] // options().actuator_share)
 
 
 @compiled(threaded=True)
