@@ -107,6 +107,7 @@ class Options:
     start_sd_in_noise: float = 3.0  # the same in standard deviations of the noise
     most_histories: int = 12  # actuator histories that are kept
     most_tracks: int = 32  # tracks of all windows that are kept, to be asked for again
+    most_scores: int = 4  # sets of score tests that are kept, to be asked for again
     # in `state_scale`, of finite differences: unstable boats magnify them
     state_step: tuple[float, ...] = (8e-6, 8e-6, 1e-6, 7.2e-7, 7.2e-7, 8.9e-7)
     # ---- Levenberg-Marquardt of parameters and initial states

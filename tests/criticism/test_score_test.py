@@ -1,12 +1,15 @@
 """Score tests: the expected fall of chi2 by each effect, without a fit."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.likelihood import multiple_shooting
 from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.model import rollout
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.selection.continuation import continuation_of
 from swamp_rl.criticism.selection.score_test import score_tests
@@ -39,3 +42,31 @@ def test_a_swap_is_scored_from_the_measured_states_where_those_of_the_fit_diverg
     bent = replace(nothing, states=nothing.states + turning)
     (score,) = score_tests(problem, bent, [by_label(candidates(found.boat, SECONDS))["channel_swap bs sp"]])
     assert score.expected_chi2 < 2.0 * problem.samples
+
+
+def test_score_tests_that_are_asked_for_again_are_not_simulated_again_and_count_as_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs = simulated_runs([])
+    problem = continuation_of(runs, weights(runs, noise_levels(runs))).problems[0]
+    at = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states())
+    every = candidates(runs.boat, SECONDS)
+    before = problem.boat_steps[0]
+    first = score_tests(problem, at, every)
+    steps = problem.boat_steps[0] - before
+    score_tests(problem, at, every[:2])
+    simulated = list[int]()
+
+    def counted(*given: Any) -> None:
+        simulated.append(len(given[-1]))
+        rollout.roll(*given)
+
+    monkeypatch.setattr(multiple_shooting, "roll", counted)
+    before = problem.boat_steps[0]
+    again = score_tests(problem, at, list(every))
+    assert [one is other for one, other in zip(first, again, strict=True)] == [True] * len(first)
+    assert not simulated and problem.boat_steps[0] - before == steps
+    other = score_tests(problem, replace(at, states=at.states + 0.01), every)
+    assert simulated and other[0].expected_chi2 != first[0].expected_chi2
+    slower = problem.with_commands(replace(runs, commands=0.5 * runs.commands))
+    assert score_tests(slower, at, every)[0].expected_chi2 != first[0].expected_chi2

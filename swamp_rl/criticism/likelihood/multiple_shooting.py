@@ -82,6 +82,7 @@ class Shooting:
         self.histories: dict[tuple[str, bytes], Array] = {}
         self.last_records: list[Any] = []  # hypothesis, numbers and what `_records` made of them
         self.last_slopes: list[Any] = []  # the same of `state_jacobian`, by window and initial state
+        self.scores: list[Any] = []  # fits, effects, boat steps and what `score_tests` made of them
 
     def _with_start_prior(self, windows: Windows) -> Windows:
         """The windows with a Gaussian prior about the smoothed initial states as their first row."""
@@ -113,7 +114,7 @@ class Shooting:
     def part(self, chosen: NDArray[np.bool_]) -> "Shooting":
         """The problem on some of its windows (W,); it keeps no tracks, for a fit asks for each once."""
         made = copy(self)
-        made.tracks = None
+        made.tracks, made.scores = None, []
         made.windows = self.windows.part(chosen)
         made.filter = self.filter.part(chosen) if self.filter is not None else None
         made.plain_actuators = self.plain_actuators[chosen]
@@ -122,7 +123,7 @@ class Shooting:
     def integrated_in(self, substeps: int) -> "Shooting":
         """The same windows, integrated in so many steps from row to row."""
         made = copy(self)
-        made.substeps, made.last_slopes = substeps, []
+        made.substeps, made.last_slopes, made.scores = substeps, [], []
         made.tracks = None if self.tracks is None else {}
         return made
 
@@ -138,6 +139,7 @@ class Shooting:
         made = copy(self)
         made.run_set, made.record = run_set, record
         made.tracks, made.histories, made.last_records, made.last_slopes = {}, {}, [], []
+        made.scores = []
         made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
         return made
 

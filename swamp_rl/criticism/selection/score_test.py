@@ -37,8 +37,20 @@ class ScoreTest:
 
 def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
     """Score tests of every effect beside `at`, least expected chi2 first; of none that changes nothing there
-    for want of another.
+    for want of another. The problem keeps the last ones: a search asks for those of the boat file again.
     """
+    asked, before = tuple(instances), problem.boat_steps[0]
+    for fitted, of_effects, steps, scores in problem.scores:
+        if fitted is at and of_effects == asked:
+            problem.boat_steps[0] += steps
+            return list(scores)
+    scores = _score_tests(problem, at, instances)
+    kept = (at, asked, problem.boat_steps[0] - before, scores)
+    problem.scores = [*problem.scores, kept][-options().most_scores :]
+    return list(scores)
+
+
+def _score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
     own = {instance.label for instance in at.hypothesis.instances}
     instances = [one for one in instances if one.label not in own and at.hypothesis.is_beside(one)]
     base = problem.track(at.hypothesis, at.x, at.states)
