@@ -153,13 +153,13 @@ def test_the_wheel_and_the_checkout_it_was_built_from_have_the_same_machine_code
 
 
 def test_the_first_use_says_at_a_terminal_that_it_compiles_and_the_second_does_not(
-    stranger: Stranger,
+    stranger: Stranger, folder: Path
 ) -> None:
     assert stranger.error_of_a_terminal("courses") == b""  # simulates nothing
-    words = ["trial", "zig-zag", "--angle", "20", "--throttle", "0.6", "--out"]
-    first = stranger.error_of_a_terminal(*words, "first")
+    words = ["simulate", "--commands", str(folder / "one.csv"), "--out"]  # compiles the least
+    first = stranger.error_of_a_terminal(*words, "first.csv")
     assert first.startswith(b"swamp-rl: compiling the simulator") and len(first.splitlines()) == 1
-    assert stranger.error_of_a_terminal(*words, "second") == b""
+    assert stranger.error_of_a_terminal(*words, "second.csv") == b""
 
 
 def test_beside_a_strangers_packages_an_experiment_a_demo_and_a_diagnosis_run(stranger: Stranger) -> None:
