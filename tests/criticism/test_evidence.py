@@ -22,7 +22,7 @@ from swamp_rl.criticism.inference.cause_share import (
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.report.evidence import predictors_sentence
+from swamp_rl.criticism.report.evidence import predictors_sentence, share_text
 from swamp_rl.criticism.result import Cause, Diagnosis, Gain, Paired, Predictors, Share
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.effects import parse_effects
@@ -107,6 +107,22 @@ def test_a_cause_is_minor_only_below_two_percent_and_below_the_noise() -> None:
     assert is_minor([share(2.0, 1.99)], NOISE)
     assert not is_minor([share(2.0, 1.9)], NOISE)  # 5 % of the error
     assert not is_minor([], NOISE)
+
+
+def test_a_cause_without_a_share_is_minor_unless_it_moves_predictions_by_more_than_the_noise() -> None:
+    assert is_minor([share(2.0, 2.1)], NOISE)
+    assert not is_minor([share(2.0, 2.1, moved=0.2)], NOISE)
+
+
+def test_a_cause_without_a_share_is_told_by_how_far_it_moves_the_prediction() -> None:
+    def said(*errors: float) -> str:
+        return share_text(Cause(effect="mass", parameters={}, share=[share(*errors, moved=0.2)]))
+
+    assert said(2.0, 1.0) == "50 % of the position error 10 s ahead (2 m without it, 1 m with it)"
+    assert said(2.0, 2.1) == (
+        "no share of the position error 10 s ahead (2 m without it, 2.1 m with it); "
+        "it moves the prediction by 0.2 m"
+    )
 
 
 def test_a_cause_that_moves_predictions_by_more_than_the_noise_matters_beside_a_larger_error() -> None:

@@ -119,6 +119,11 @@ def test_a_number_at_a_bound_of_the_fit_has_no_interval() -> None:
     assert number_cells(either)[1] == "at the bound of the fit, no interval"
 
 
+def test_the_interval_of_an_angle_is_at_most_the_whole_circle() -> None:
+    assert number_cells(Estimate(value=0.1, standard_error=1.7, unit="rad"))[1] == "the whole circle"
+    assert number_cells(Estimate(value=0.1, standard_error=1.5, unit="rad"))[1] == "−163 to 174"
+
+
 def test_the_gain_is_in_degrees_with_as_many_digits_as_the_error_and_no_negative_zero() -> None:
     paired = Paired(before=0.1, after=0.05, ci95=(-1e-9, 0.1))
     (row,) = gain_rows(Gain(horizon_s=5.0, restarts=9, blocks="runs", heading_rmse_rad=paired))

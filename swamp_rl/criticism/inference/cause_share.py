@@ -131,16 +131,16 @@ def shares_of(
 
 
 def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
-    """Whether a cause changes every error by less than `minor` of it, and moves every prediction by less than
-    the sensor's noise. Independent errors add in squares: their difference says little of a cause beside a
-    larger error.
+    """Whether a cause's share of every error is below `minor`, or negative, and it moves every prediction by
+    less than the sensor's noise. Independent errors add in squares: their difference says little of a cause
+    beside a larger error.
 
     noise: standard deviation by channel (SI, rad). False where no error could be measured.
     """
     position = np.hypot(noise.get("north", 0.0), noise.get("east", 0.0))
     sizes = dict(zip(JUDGED, (position, noise.get("heading", 0.0)), strict=True))
     return bool(shares) and all(
-        abs(one.without - one.with_cause) < options().minor * one.without
+        one.without - one.with_cause < options().minor * one.without
         and one.moved is not None
         and one.moved < sizes[one.quantity]
         for one in shares

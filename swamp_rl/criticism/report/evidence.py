@@ -96,7 +96,9 @@ def smoothed_sentence(found: Diagnosis) -> str:
 
 
 def share_rows(causes: list[Cause]) -> list[tuple[str, ...]]:
-    """Errors without and with each cause, the share that it accounts for and its 95 % interval."""
+    """Errors without and with each cause, its share, its reduction with 95 % interval, and how far it moves
+    the prediction.
+    """
     return [
         ("" if number else readable(cause.label), *_share_cells(one))
         for cause in causes
@@ -105,20 +107,23 @@ def share_rows(causes: list[Cause]) -> list[tuple[str, ...]]:
 
 
 def share_text(cause: Cause) -> str:
-    """The share of the position error at the longest horizon; empty where none was measured."""
+    """The share of the position error at the longest horizon, and where that is none, by how much the cause
+    moves the prediction; empty where none was measured.
+    """
     positions = [one for one in cause.share if one.quantity == "position_rmse_m" and one.wind == "fitted"]
     if not positions:
         return ""
     one = positions[-1]
-    return (
-        f"{percent(one)} of the position error {one.horizon_s:g} s ahead "
-        f"({one.without:.3g} m without it, {one.with_cause:.3g} m with it)"
-    )
+    errors = f"{one.without:.3g} m without it, {one.with_cause:.3g} m with it"
+    if one.with_cause < one.without:
+        return f"{percent(one)} of the position error {one.horizon_s:g} s ahead ({errors})"
+    moved = "" if one.moved is None else f"; it moves the prediction by {one.moved:.3g} m"
+    return f"no share of the position error {one.horizon_s:g} s ahead ({errors}){moved}"
 
 
 def percent(one: Share) -> str:
     """The share of the error without a cause that it accounts for."""
-    return f"{100.0 * (one.without - one.with_cause) / one.without:.0f} %"
+    return minus(f"{100.0 * (one.without - one.with_cause) / one.without:.0f} %")
 
 
 def _share_cells(one: Share) -> tuple[str, ...]:
@@ -130,6 +135,7 @@ def _share_cells(one: Share) -> tuple[str, ...]:
         f"{scale * one.with_cause:.3g}",
         percent(one),
         minus(f"{less:.3g} ({low:.3g} to {high:.3g})"),
+        "" if one.moved is None else f"{scale * one.moved:.3g}",
         unit,
     )
 

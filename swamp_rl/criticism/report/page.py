@@ -55,7 +55,8 @@ from swamp_rl.criticism.result import Diagnosis, Gain
 from swamp_rl.html_page import document, image, minus, places_of, rounded, table
 
 PREDICTORS = ("seconds ahead", "boat file", "at rest", "constant velocity", "no thrust")
-SHARES = ("cause", "error, horizon", "without", "with", "share", "reduction (95 % interval)", "unit")
+REDUCTION = "reduction (95 % interval)"
+SHARES = ("cause", "error, horizon", "without", "with", "share", REDUCTION, "prediction moved by", "unit")
 CAUSES = ("effect", "description", "parameter", "value", "95 % interval", "unit", "boat file")
 CHI2 = (
     "χ² is the sum of squared errors over the variance of the measurement noise, or of the model error where "
@@ -163,12 +164,13 @@ def causes_section(found: Diagnosis, run_set: RunSet) -> str:
         )
     shares = (
         "<p>What each accounts for: prediction errors on held-out runs without it, the others fitted anew, "
-        "and with it. Shares need not add up to 100 %. A cause that differs between runs has no share on "
-        "runs that it was not fitted to.</p>"
+        "and with it. Shares need not add up to 100 %. A cause with a share of zero or less does not reduce "
+        "that error; it is listed if it is significant and moves a prediction by more than the sensor's "
+        "noise. A cause that differs between runs has no share on runs that it was not fitted to.</p>"
     )
     accounts = share_rows([*found.causes, *found.minor])
     if accounts:
-        shares += table(SHARES, accounts, numbers=(2, 3, 4, 5))
+        shares += table(SHARES, accounts, numbers=(2, 3, 4, 5, 6))
     return f"<h2>{title}</h2>{note}" + table(CAUSES, rows, numbers=(3, 4, 6), unbroken=(2,)) + shares
 
 
@@ -251,7 +253,7 @@ def gain_section(found: Diagnosis) -> str:
         rows = [(*row[:3], row[5]) for row in rows]
         heads: tuple[str, ...] = ("seconds ahead (restarts)", "error", "boat file", "unit")
         return "<h2>Prediction errors</h2>" + cards(found) + table(heads, rows, numbers=(0, 2))
-    heads = ("seconds ahead (restarts)", "error", "boat file", "extended", SHARES[5], "unit")
+    heads = ("seconds ahead (restarts)", "error", "boat file", "extended", REDUCTION, "unit")
     return (
         f"<h2>Prediction errors, boat file and extended boat</h2>{cards(found)}"
         f"<p>Root mean square errors {GAINED_ON[found.gain_on]}. The "

@@ -313,7 +313,7 @@ def cause_rows(causes: Sequence[Cause], boat: Boat) -> list[tuple[str, ...]]:
 
 def number_cells(estimate: Estimate) -> tuple[str, str, str]:
     """Value, 95 % interval and unit, angles in degrees; without an interval at a bound of the fit, and where
-    the runs do not determine it.
+    the runs do not determine it. An interval of an angle is at most the whole circle.
     """
     factor, unit = (180.0 / math.pi, "degrees") if estimate.unit == "rad" else (1.0, estimate.unit)
     shown = plain(factor * estimate.value)
@@ -326,7 +326,8 @@ def number_cells(estimate: Estimate) -> tuple[str, str, str]:
     known = reach > 0.0 and math.isfinite(reach)
     places = min(6, max(0, 1 - math.floor(math.log10(reach)))) if known else 2
     low, middle, high = (minus(f"{v:.{places}f}") for v in (value - reach, value, value + reach))
-    return middle, f"{low} to {high}", written(unit)
+    whole = estimate.unit == "rad" and Z95 * estimate.standard_error >= math.pi
+    return middle, "the whole circle" if whole else f"{low} to {high}", written(unit)
 
 
 def written(unit: str) -> str:
