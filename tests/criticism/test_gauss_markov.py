@@ -1,6 +1,7 @@
 """Gauss-Markov measurement noise."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,9 @@ from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov, kalman_filter
 from swamp_rl.criticism.model.candidates import Hypothesis, candidates
+from swamp_rl.criticism.selection import model_selection
+from swamp_rl.criticism.selection.backward_elimination import Selection
+from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.model_selection import select_model
 from tests.support.criticism import DT, SECONDS, gauss_markov_noise, simulated_runs
 
@@ -109,6 +113,27 @@ def test_position_noise_is_no_cause_and_hides_none() -> None:
         assert with_noise.gaps == found.gaps
         assert with_noise.gauss_markov is not None
         assert with_noise.gauss_markov[0, 0] == pytest.approx(0.3, rel=0.7)
+
+
+def test_no_second_effect_is_tried_under_white_noise_where_position_noise_suffices_beside_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = simulated_runs([{"effect": "yaw_damping", "scale": 1.6}], seed=12)
+    errors = gauss_markov_noise(np.random.default_rng(2), (3, found.measured.shape[1], 2), 0.06, 20.0)
+    found.measured[..., :2] += errors
+    names = ("external_force", "mass", "yaw_damping")
+    possible = [one for one in candidates(found.boat, SECONDS) if one.effect.name in names and not one.groups]
+    searches = list[Selection]()
+
+    def recorded(*given: Any) -> Selection:
+        searches.append(beam_search(*given))
+        return searches[-1]
+
+    monkeypatch.setattr(model_selection, "beam_search", recorded)
+    with_noise, _, selection = select_model(found, weights(found, noise_levels(found)), possible, None)
+    assert with_noise.gauss_markov is not None
+    assert selection.winner.hypothesis.label == "yaw_damping"
+    assert {len(one.hypothesis.instances) for one in searches[0].tried} == {1}
 
 
 def test_clean_data_need_no_position_noise() -> None:

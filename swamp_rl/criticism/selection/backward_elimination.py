@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.continuation import CORRECTED, LAST, MIDDLE, Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
 
+Nuisance = Literal["commands", "position noise"]
+
 
 @dataclass(frozen=True)
 class Selection:
@@ -26,8 +29,8 @@ class Selection:
     winner: the fit at the deepest stage used; adequate: whether its residual is noise; stage: the longest
     windows on which it is adequate, else the middle ones; rivals: fits indistinguishable from the winner;
     tried: every fit, and first: score tests beside no effect, on the shortest windows; unidentifiable: labels
-    of effects with too little information; confirmed: of each cause, by label; shallow: whether the search
-    ended at single effects, since reconstructed commands suffice beside the best.
+    of effects with too little information; confirmed: of each cause, by label; beside: the nuisance that
+    suffices beside the best single effect, at which the search then ended.
     """
 
     winner: Fit
@@ -38,7 +41,7 @@ class Selection:
     first: list[ScoreTest]
     unidentifiable: list[str]
     confirmed: dict[str, Confirmation] = field(default_factory=dict)
-    shallow: bool = False
+    beside: Nuisance | None = None
 
 
 def fit_by_continuation(continuation: Continuation, hypothesis: Hypothesis, x: np.ndarray) -> Fit:

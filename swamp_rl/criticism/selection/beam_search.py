@@ -11,6 +11,7 @@ from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.selection.backward_elimination import (
+    Nuisance,
     Selection,
     adequate_stage,
     conclude,
@@ -28,16 +29,16 @@ def beam_search(
     instances: Sequence[EffectInstance],
     hull: EffectInstance | None,
     step_budget: float | None = None,
-    sufficient_reconstruction: Callable[[Continuation, Fit], object] | None = None,
+    sufficient_nuisance: Callable[[Continuation, Fit], Nuisance | None] | None = None,
     previous: Sequence[Fit] = (),
 ) -> Selection:
     """Search from no effect to `most_effects` effects, until the residual is noise and no score test is
     significant.
 
     step_budget: boat steps after which no further depth is begun, 0 for none at all; the first one is begun
-    however many the boat file took. sufficient_reconstruction: whether the best of the first depth needs
-    reconstructed commands and no further effect, with which the search ends; previous: the result of a search
-    under other noise, at the shortest windows and the middle ones, which is tried too.
+    however many the boat file took. sufficient_nuisance: what the best of the first depth needs in place of a
+    further effect, with which the search ends; previous: the result of a search under other noise, at the
+    shortest windows and the middle ones, which is tried too.
     """
     step_budget = options().step_budget if step_budget is None else step_budget
     criterion = continuation.criterion
@@ -61,12 +62,12 @@ def beam_search(
     beam = [continuation.boat_file(0)]
     for depth in range(options().most_effects):
         LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
-        if depth == 1 and sufficient_reconstruction:
+        if depth == 1 and sufficient_nuisance:
             closest = best if best.hypothesis.instances else _closest(continuation, tried.values())
-            if sufficient_reconstruction(continuation, closest):
-                # an effect beside the best would only absorb the error of the commands
+            beside = sufficient_nuisance(continuation, closest)
+            if beside:  # an effect more would only absorb it
                 found = conclude(continuation, closest, list(tried.values()), first, unidentifiable, every)
-                return replace(found, shallow=True)
+                return replace(found, beside=beside)
         spent = continuation.boat_steps > step_budget and (depth > 0 or step_budget == 0.0)
         if spent or (depth > 0 and _is_sufficient(continuation, best, every)):
             break

@@ -27,6 +27,7 @@ from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_chann
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import SmoothedNoise
 from swamp_rl.criticism.selection.backward_elimination import (
+    Nuisance,
     Selection,
     fit_by_continuation,
     without_unconfirmed,
@@ -60,13 +61,20 @@ def select_model(
     """
     tried: list[Continuation] = []
     given, logged = (instances, hull, tried), run_set
-    continuation = continuation_of(run_set, weight)
-    if _is_position_noise_sufficient(continuation):
+    begun = continuation_of(run_set, weight)
+    nothing = fit_by_continuation(begun, Hypothesis(), np.zeros(0))
+    if _is_position_noise_sufficient(begun, nothing):
         # an effect of a search under white noise would only absorb that noise
-        again = _with_position_noise(*given, continuation, continuation.boat_file(MIDDLE))
+        again = _with_position_noise(*given, begun, nothing, options().step_budget_again)
         if again is not None:
             return again
-    run_set, continuation, found = _with_reconstruction(run_set, continuation, *given, options().step_budget)
+    run_set, continuation, found = _with_reconstruction(run_set, begun, *given, options().step_budget)
+    if found.beside == "position noise":
+        again = _with_position_noise(*given, continuation, found.winner, options().step_budget)
+        if again is not None:
+            return again
+        budget = options().step_budget
+        run_set, continuation, found = _with_reconstruction(logged, begun, *given, budget, deep=True)
     again = _with_its_noise(run_set, continuation, found, *given)
     if again is not None:
         return again
@@ -106,7 +114,7 @@ def _with_its_noise(
         other = _beside_position_noise(continuation, winner, noise)
         winner, source = (other, "measurement") if other else (winner, source)
     if source == "measurement":
-        again = _with_position_noise(*given, continuation, winner)
+        again = _with_position_noise(*given, continuation, winner, options().step_budget_again)
         if again is not None:
             return again
     if found.adequate:
@@ -125,10 +133,12 @@ def _with_reconstruction(
     tried: list[Continuation],
     step_budget: float,
     previous: Sequence[Fit] = (),
+    deep: bool = False,
 ) -> tuple[RunSet, Continuation, Selection]:
     """The search, with reconstructed commands if they fit clearly better; adds to `tried`.
 
-    continuation: of the runs as logged.
+    continuation: of the runs as logged; deep: whether position noise beside a single effect is no reason to
+    end the search.
     """
     logged, weight = run_set, continuation.problems[0].weight
     tried.append(continuation)
@@ -141,11 +151,13 @@ def _with_reconstruction(
         tried.append(continuation)
     if run_set.gauss_markov is None and _is_position_noise_suspected(continuation):
         step_budget = min(step_budget, options().step_budget_suspected)
-    sufficient = partial(sufficient_reconstruction, logged=logged)
+    sufficient = partial(_sufficient_nuisance, logged=logged, deep=deep or run_set.gauss_markov is not None)
     given = logged, instances, hull, tried
     found = beam_search(continuation, instances, hull, step_budget, sufficient, previous)
+    if found.beside == "position noise":
+        return run_set, continuation, found
     better = with_better_commands(run_set, continuation, found, *given)
-    if found.shallow and better[1] is continuation:  # which another search did not confirm
+    if found.beside and better[1] is continuation:  # which another search did not confirm
         found = beam_search(continuation, instances, hull, step_budget, None, previous)
         better = with_better_commands(run_set, continuation, found, *given)
     return better
@@ -200,14 +212,20 @@ def _of_positions_alone(noise: Array) -> bool:
     return bool((noise[POSITIONS, 0] > 0).any() and not (noise[OTHERS, 0] > 0).any())
 
 
-def _is_position_noise_sufficient(continuation: Continuation) -> bool:
-    """Whether the boat file leaves little more than noise on the middle windows, and that is correlated in
-    the positions alone.
+def _sufficient_nuisance(continuation: Continuation, at: Fit, logged: RunSet, deep: bool) -> Nuisance | None:
+    """The nuisance that suffices beside a fit to the middle windows; deep: other than position noise."""
+    if not deep and _is_position_noise_sufficient(continuation, at):
+        return "position noise"
+    return "commands" if sufficient_reconstruction(continuation, at, logged) else None
+
+
+def _is_position_noise_sufficient(continuation: Continuation, at: Fit) -> bool:
+    """Whether a fit to the middle windows leaves little more than noise, and that is correlated in the
+    positions alone.
     """
-    nothing = fit_by_continuation(continuation, Hypothesis(), np.zeros(0))
-    if not near(continuation.problems[MIDDLE], nothing):
+    if not near(continuation.problems[MIDDLE], at):
         return False
-    return correlated_noise(continuation, nothing, MIDDLE) == "measurement"
+    return correlated_noise(continuation, at, MIDDLE) == "measurement"
 
 
 def _with_position_noise(
@@ -216,16 +234,21 @@ def _with_position_noise(
     tried: list[Continuation],
     continuation: Continuation,
     winner: Fit,
+    step_budget: float,
 ) -> tuple[RunSet, Continuation, Selection] | None:
-    """The selection under Gauss-Markov position noise, until that changes little; None if inadequate."""
+    """The selection under Gauss-Markov position noise, until that changes little; None if inadequate.
+
+    step_budget: boat steps of the first search.
+    """
     slow = slowest_noise(continuation, winner)
     run_set = continuation.run_set
     for _ in range(options().most_repeats):
         fit_by_continuation(continuation, winner.hypothesis, winner.x)
         previous = [continuation.at(stage, winner) for stage in (0, MIDDLE)]
-        noisy, budget = replace(run_set, gauss_markov=slow), options().step_budget_again
+        noisy, given = replace(run_set, gauss_markov=slow), (instances, hull, tried)
         begun = continuation_of(noisy, continuation.problems[0].weight)
-        _, continuation, found = _with_reconstruction(noisy, begun, instances, hull, tried, budget, previous)
+        _, continuation, found = _with_reconstruction(noisy, begun, *given, step_budget, previous)
+        step_budget = options().step_budget_again
         if not found.adequate:
             return None
         winner, noise, slow = found.winner, slow, slowest_noise(continuation, found.winner)
