@@ -67,7 +67,7 @@ class Options:
     # ---- Threads
     thread_steps: int = 10_000  # boat steps that are worth a thread: about 5 ms
     actuator_share: int = 5  # steps of actuators alone that take as long as one of a boat
-    slope_share: int = 300  # numbers of a Jacobian whose products take as long as one
+    slope_share: int = 300  # numbers of a Jacobian that take as long as one
     # ---- Whiteness test of the residual
     whiteness_scales: tuple[float, ...] = (1.0, 4.0)  # s over which residuals are averaged
     variance_bias: float = 1.06  # relative bias of a variance estimated from differences

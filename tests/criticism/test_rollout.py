@@ -2,6 +2,7 @@
 
 from contextvars import copy_context
 from typing import Any
+from unittest.mock import MagicMock
 
 import numba
 import numpy as np
@@ -52,11 +53,11 @@ def test_jacobians_divided_among_threads_have_the_same_bits(monkeypatch: pytest.
 
     alone = made()
     monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 3)
-    begun: list[int] = []
-    monkeypatch.setattr(threads, "copy_context", lambda: begun.append(0) or copy_context())
+    begun = MagicMock(side_effect=copy_context)
+    monkeypatch.setattr(threads, "copy_context", begun)
     with using(thread_steps=1, slope_share=1):
         divided = made()
-    assert len(begun) == 3 * 3 and np.isfinite(alone[1]).all()  # slopes, products, normal equations
+    assert begun.call_count == 3 * 3 and np.isfinite(alone[1]).all()  # slopes, products, normal equations
     for one, other in zip(divided, alone, strict=True):
         np.testing.assert_array_equal(one, other)
 

@@ -349,7 +349,7 @@ class Shooting:
                 slope = self.standardised((one - base) / np.reshape(step[mine], (-1, 1, 1)))
                 slopes[np.arange(len(slopes)), :, np.searchsorted(wanted, mine)] = slope
 
-        divided(part, len(moves), prediction.size // options().slope_share)
+        divided(part, len(moves), slopes.size // options().slope_share)
         return slopes
 
     def initial_states(self, windows: Windows | None = None) -> Array:
