@@ -115,11 +115,12 @@ def test_position_noise_is_no_cause_and_hides_none() -> None:
         assert with_noise.gauss_markov[0, 0] == pytest.approx(0.3, rel=0.7)
 
 
-def test_no_second_effect_is_tried_under_white_noise_where_position_noise_suffices_beside_one(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(("effects", "size"), [([], 0.3), (["yaw_damping"], 0.06)])
+def test_no_second_effect_is_tried_under_white_noise_where_position_noise_suffices(
+    effects: list[str], size: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    found = simulated_runs([{"effect": "yaw_damping", "scale": 1.6}], seed=12)
-    errors = gauss_markov_noise(np.random.default_rng(2), (3, found.measured.shape[1], 2), 0.06, 20.0)
+    found = simulated_runs([{"effect": name, "scale": 1.6} for name in effects], seed=12)
+    errors = gauss_markov_noise(np.random.default_rng(2), (3, found.measured.shape[1], 2), size, 20.0)
     found.measured[..., :2] += errors
     names = ("external_force", "mass", "yaw_damping")
     possible = [one for one in candidates(found.boat, SECONDS) if one.effect.name in names and not one.groups]
@@ -132,7 +133,7 @@ def test_no_second_effect_is_tried_under_white_noise_where_position_noise_suffic
     monkeypatch.setattr(model_selection, "beam_search", recorded)
     with_noise, _, selection = select_model(found, weights(found, noise_levels(found)), possible, None)
     assert with_noise.gauss_markov is not None
-    assert selection.winner.hypothesis.label == "yaw_damping"
+    assert [one.label for one in selection.winner.hypothesis.instances] == effects
     assert {len(one.hypothesis.instances) for one in searches[0].tried} == {1}
 
 

@@ -29,16 +29,17 @@ def beam_search(
     instances: Sequence[EffectInstance],
     hull: EffectInstance | None,
     step_budget: float | None = None,
-    sufficient_nuisance: Callable[[Continuation, Fit], Nuisance | None] | None = None,
+    sufficient_nuisance: Callable[[Continuation, Fit], tuple[Nuisance, Fit] | None] | None = None,
     previous: Sequence[Fit] = (),
 ) -> Selection:
     """Search from no effect to `most_effects` effects, until the residual is noise and no score test is
     significant.
 
     step_budget: boat steps after which no further depth is begun, 0 for none at all; the first one is begun
-    however many the boat file took. sufficient_nuisance: what the best of the first depth needs in place of a
-    further effect, with which the search ends; previous: the result of a search under other noise, at the
-    shortest windows and the middle ones, which is tried too.
+    however many the boat file took. sufficient_nuisance: what the boat file or the best of the first depth
+    needs in place of a further effect, and which of them; the search ends with it, without elimination where
+    it is position noise. previous: the result of a search under other noise, at the shortest windows and the
+    middle ones, which is tried too.
     """
     step_budget = options().step_budget if step_budget is None else step_budget
     criterion = continuation.criterion
@@ -64,10 +65,14 @@ def beam_search(
         LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
         if depth == 1 and sufficient_nuisance:
             closest = best if best.hypothesis.instances else _closest(continuation, tried.values())
-            beside = sufficient_nuisance(continuation, closest)
-            if beside:  # an effect more would only absorb it
-                found = conclude(continuation, closest, list(tried.values()), first, unidentifiable, every)
-                return replace(found, beside=beside)
+            found = sufficient_nuisance(continuation, closest)
+            if found:  # an effect more would only absorb it
+                beside, at = found
+                every_tried = list(tried.values())
+                if beside == "position noise":
+                    return Selection(at, False, MIDDLE, [], every_tried, first, unidentifiable, beside=beside)
+                made = conclude(continuation, at, every_tried, first, unidentifiable, every)
+                return replace(made, beside=beside)
         spent = continuation.boat_steps > step_budget and (depth > 0 or step_budget == 0.0)
         if spent or (depth > 0 and _is_sufficient(continuation, best, every)):
             break

@@ -212,11 +212,19 @@ def _of_positions_alone(noise: Array) -> bool:
     return bool((noise[POSITIONS, 0] > 0).any() and not (noise[OTHERS, 0] > 0).any())
 
 
-def _sufficient_nuisance(continuation: Continuation, at: Fit, logged: RunSet, deep: bool) -> Nuisance | None:
-    """The nuisance that suffices beside a fit to the middle windows; deep: other than position noise."""
-    if not deep and _is_position_noise_sufficient(continuation, at):
-        return "position noise"
-    return "commands" if sufficient_reconstruction(continuation, at, logged) else None
+def _sufficient_nuisance(
+    continuation: Continuation, at: Fit, logged: RunSet, deep: bool
+) -> tuple[Nuisance, Fit] | None:
+    """The nuisance that suffices beside the boat file or the likeliest single effect, a fit to the middle
+    windows, and which of them; deep: other than position noise.
+    """
+    if not deep:
+        nothing = continuation.boat_file(MIDDLE)
+        if _position_noise_beside(continuation.problems[MIDDLE], nothing)[1] > nothing.chi2 - at.chi2:
+            return "position noise", nothing
+        if _is_position_noise_sufficient(continuation, at):
+            return "position noise", at
+    return ("commands", at) if sufficient_reconstruction(continuation, at, logged) else None
 
 
 def _is_position_noise_sufficient(continuation: Continuation, at: Fit) -> bool:
@@ -316,10 +324,17 @@ def _residual_noise(continuation: Continuation, winner: Fit, stage: int) -> tupl
     first = _gauss_markov_noise(problem, at)
     if not (first[:, 0] > 0).any():
         return None, first
+    noise, gain = _position_noise_beside(problem, at)
+    return ("measurement" if gain > 0.0 else "process"), noise
+
+
+def _position_noise_beside(problem: Shooting, at: Fit) -> tuple[Array, float]:
+    """Gauss-Markov noise (6, 2) beside a fit, and the gain in 2 log likelihood by that of the positions; none
+    where other channels have noise or process noise is the more likely.
+    """
     noise, gain = _position_noise(problem, at)
-    if _of_positions_alone(noise) and gain > process_noise_gain(problem, at):
-        return "measurement", noise
-    return "process", noise
+    alone = _of_positions_alone(noise) and gain > process_noise_gain(problem, at)
+    return noise, gain if alone else 0.0
 
 
 def _position_noise(problem: Shooting, white: Fit) -> tuple[Array, float]:
