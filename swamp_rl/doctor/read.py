@@ -244,41 +244,62 @@ def _minari_episodes(
         import h5py
     except ImportError as error:
         raise missing("Minari's files need h5py", "exchange") from error
-    found = []
+    found, most = [], MOST_CELLS
     try:
         with h5py.File(path, "r") as file:
             for name in sorted(file, key=lambda key: (len(key), key)):
-                group = file[name]
+                group = _held(file, name)
                 if isinstance(group, h5py.Group):
-                    found.append((name, _episode(group)))
+                    columns = _episode(group, most)
+                    most -= sum(map(len, columns.values()))
+                    found.append((name, columns))
         meta = path.with_name("metadata.json")
         described = _json(meta) if meta.is_file() else {}
         told = [described.get(key, "{}") for key in ("swamp_rl", COPIES)]
         about, copies = (parsed_json(text) if isinstance(text, str) else {} for text in told)
-    except (OSError, KeyError, ValueError, RuntimeError) as error:
+    except (AttributeError, KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
         raise UserError(f"{path}: is no whole Minari file ({clipped(error, 200)}); copy it again") from error
     about, copies = (one if isinstance(one, dict) else {} for one in (about, copies))
     return found, about, copies
 
 
-def _episode(group: Any) -> dict[str, Array]:
+def _episode(group: Any, most: int) -> dict[str, Array]:
+    """The columns of an episode; ValueError where they have more than `most` numbers."""
     import h5py
 
-    infos = group.get("infos")
-    columns: dict[str, Array] = {}
+    infos = _held(group, "infos")
     if isinstance(infos, h5py.Group) and "time" in infos:
-        columns = {name: np.asarray(infos[name][()], float) for name in infos if infos[name].ndim == 1}
-        rows = len(columns["time"])
-        return {name: values for name, values in columns.items() if len(values) == rows}
-    rows = 0
-    for name in ("observations", "actions"):
-        held = group.get(name)
-        if isinstance(held, h5py.Dataset) and held.size <= MOST_CELLS:
-            values = np.asarray(held[()], float).reshape(held.shape[0], -1)
-            rows = len(values) if name == "observations" else min(rows or len(values), len(values))
-            columns |= {f"{name[:-1]}[{i}]": part for i, part in enumerate(values.T)}
-    columns = {name: values[:rows] for name, values in columns.items()}
+        held = {name: _held(infos, name) for name in infos}
+        shape = held["time"].shape
+        return _numbers({n: one for n, one in held.items() if one.shape == shape and one.ndim == 1}, most)
+    parts = {name[:-1]: _held(group, name) for name in ("observations", "actions")}
+    found = _numbers({name: one for name, one in parts.items() if isinstance(one, h5py.Dataset)}, most)
+    rows = min(map(len, found.values()), default=0)
+    flat = {name: values.reshape(len(values), -1)[:rows].T for name, values in found.items()}
+    columns = {f"{name}[{i}]": part for name, values in flat.items() for i, part in enumerate(values)}
     return columns | {"time": np.arange(rows, dtype=float)} if columns else {}
+
+
+def _held(group: Any, name: str) -> Any:
+    """What a group holds under a name, None where there is none; ValueError where it lies elsewhere."""
+    import h5py
+
+    link = group.get(name, getlink=True)
+    if link is None:
+        return None
+    if not isinstance(link, h5py.HardLink):
+        raise ValueError(f"{name!r} is a link")
+    held = group[name]
+    if isinstance(held, h5py.Dataset) and (held.external or held.is_virtual):
+        raise ValueError(f"the values of {name!r} are in another file")
+    return held
+
+
+def _numbers(held: dict[str, Any], most: int) -> dict[str, Array]:
+    """The numbers of datasets, of which a small file may claim any number."""
+    if sum(one.size for one in held.values()) > most:
+        raise ValueError(f"its episodes have more than {MOST_CELLS} numbers")
+    return {name: np.asarray(one[()], float) for name, one in held.items()}
 
 
 def _json(path: Path) -> dict[str, Any]:

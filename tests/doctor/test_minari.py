@@ -1,0 +1,59 @@
+"""A stranger's Minari file, in HDF5, reads no other file and no more numbers than the doctor takes."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from swamp_rl.doctor.read import read_records
+from swamp_rl.errors import UserError
+
+h5py = pytest.importorskip("h5py", reason="h5py is not installed; Minari's folders are not tested")
+
+
+def _claims_too_much(infos: Any, secret: Path) -> None:
+    infos.create_dataset("time", shape=(2**33,), dtype="f8", chunks=(2**20,))
+
+
+def _links(infos: Any, secret: Path) -> None:
+    infos["time"] = infos.file["there"] = h5py.ExternalLink(str(secret), "/time")
+
+
+def _links_within(infos: Any, secret: Path) -> None:
+    infos.file["there"] = h5py.ExternalLink(str(secret), "/")
+    infos["time"] = h5py.SoftLink("/there/time")
+
+
+def _stores_elsewhere(infos: Any, secret: Path) -> None:
+    infos.create_dataset("time", shape=(8,), dtype="f8", external=[(str(secret), 0, 64)])
+
+
+def _shows_another(infos: Any, secret: Path) -> None:
+    layout = h5py.VirtualLayout(shape=(8,), dtype="f8")
+    layout[:] = h5py.VirtualSource(str(secret), "time", shape=(8,))
+    infos.create_virtual_dataset("time", layout)
+
+
+@pytest.mark.parametrize(
+    ("make", "told"),
+    [
+        (_claims_too_much, "its episodes have more than"),
+        (_links, "'(time|there)' is a link"),
+        (_links_within, "'(time|there)' is a link"),
+        (_stores_elsewhere, "the values of 'time' are in another file"),
+        (_shows_another, "the values of 'time' are in another file"),
+    ],
+)
+def test_a_minari_file_names_no_other_file_and_claims_no_more_than_is_read(
+    tmp_path: Path, make: Callable[[Any, Path], None], told: str
+) -> None:
+    secret, held = tmp_path / "secret.hdf5", tmp_path / "data" / "main_data.hdf5"
+    held.parent.mkdir()
+    with h5py.File(secret, "w") as file:
+        file["time"] = np.arange(8.0)
+    with h5py.File(held, "w") as file:
+        make(file.create_group("z/infos"), secret)
+    with pytest.raises(UserError, match=f"no whole Minari file .*{told}"):
+        read_records(tmp_path)
