@@ -71,10 +71,10 @@ def diagnosed(case: str, truth: Mapping[str, Any], off: Mapping[str, Any]) -> di
             run_set = read_run_set(GOLDEN / case, boat)
             refuse_inconsistent(run_set, case)
             found = examine(run_set, None, np.random.default_rng(0)).diagnosis
-            right, said = is_right(found, truth), words(found)
+            right, text = is_right(found, truth), words(found)
         except UserError as error:
-            right, said = truth["verdict"] == "refused", str(error)
-    return {"right": right, "seconds": time.process_time() - begun, "said": said}
+            right, text = truth["verdict"] == "refused", str(error)
+    return {"right": right, "seconds": time.process_time() - begun, "answer": text}
 
 
 def is_right(found: Diagnosis, truth: Mapping[str, Any]) -> bool:
@@ -105,9 +105,9 @@ def rows(results: Mapping[tuple[str, str], Mapping[str, Any]]) -> list[list[str]
             continue
         with_it, without = ([results[which, case] for case in mine] for which in (WITH, name))
         changed = [
-            f"{case}: {less['said'].replace('_', ' ')}"
+            f"{case}: {less['answer'].replace('_', ' ')}"
             for case, one, less in zip(mine, with_it, without, strict=True)
-            if one["said"] != less["said"]
+            if one["answer"] != less["answer"]
         ]
         rights = [str(sum(one["right"] for one in every)) for every in (with_it, without)]
         seconds = [f"{sum(one['seconds'] for one in every):.0f}" for every in (with_it, without)]

@@ -83,8 +83,8 @@ class OwnTerm:
         try:
             given = np.asarray(self.function(batch))
         except Exception as error:
-            said = " ".join(f"{type(error).__name__}: {error}".split())
-            raise UserError(f"{what}: failed ({said}); mend the function") from error
+            message = " ".join(f"{type(error).__name__}: {error}".split())
+            raise UserError(f"{what}: failed ({message}); mend the function") from error
         if given.shape != (n,) or given.dtype.kind not in "fiub":
             raise UserError(
                 f"{what}: gave the shape {given.shape} of {given.dtype}, ({n},) of numbers is needed"

@@ -54,6 +54,6 @@ def known_options(options: dict[str, Any] | None, known: Sequence[str]) -> dict[
         raise UserError(f"reset: options must be None or a dict, not {clipped(repr(options))}")
     for name in options:
         if name not in known:
-            told = f"unknown option {clipped(repr(name))}; known here: {', '.join(known) or 'none'}"
-            raise UserError(f"reset: {told}")
+            message = f"unknown option {clipped(repr(name))}; known here: {', '.join(known) or 'none'}"
+            raise UserError(f"reset: {message}")
     return options

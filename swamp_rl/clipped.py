@@ -1,4 +1,4 @@
-"""Words of a stranger, short and printable enough to be told in one line."""
+"""Untrusted text, short and printable enough for one line of a message."""
 
 import re
 

@@ -13,15 +13,15 @@ LONGEST = 2000
 class UserError(Exception):
     """What is wrong, where (file, row, column or key) and what to do, on one line for each fault.
 
-    Whatever words of a stranger it quotes, each line prints and is short enough to be read.
+    Untrusted text in it is clipped: each line is printable and at most `LONGEST` long.
     """
 
-    def __init__(self, told: str) -> None:
-        super().__init__("\n".join(clipped(line, LONGEST) for line in told.split("\n")))
+    def __init__(self, message: str) -> None:
+        super().__init__("\n".join(clipped(line, LONGEST) for line in message.split("\n")))
 
 
 @contextmanager
-def told_of(where: Path | str) -> Iterator[None]:
+def errors_at(where: Path | str) -> Iterator[None]:
     """Put `where`, a file and its key, before each line of a UserError that the block raises."""
     try:
         yield

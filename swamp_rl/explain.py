@@ -16,10 +16,10 @@ LIKE = 0.6
 """Words less alike than this are not taken for one another."""
 
 MOST = 20
-"""Faults that are told at most."""
+"""Most faults in a message."""
 
 TELLING = {"literal_error": 0, "extra_forbidden": 1}
-"""Types of faults that bring others with them, by what is told first."""
+"""Types of faults that bring others with them, in the order of the message."""
 
 KEY_ITSELF = "[key]"
 """What pydantic puts behind the place of a key that is wrong itself."""
@@ -57,7 +57,7 @@ LENGTHS = {
     "too_short": "must have {min_length} or more entries, not {actual_length}",
     "too_long": "must have {max_length} or fewer entries, not {actual_length}",
 }
-"""Likewise, of faults of which the value is not told."""
+"""Likewise, of faults whose value is not in the message."""
 
 PATTERNS = {
     "^[A-Za-z][A-Za-z0-9_]*$": "must have letters, digits and _, a letter first",
@@ -101,17 +101,17 @@ def explain(
     path: Path | str,
     error: ValidationError,
     model: type[BaseModel] | None = None,
-    told: Callable[[Location], Location] = lambda place: place,
+    located: Callable[[Location], Location] = lambda place: place,
     below: tuple[str, ...] = (),
 ) -> UserError:
     """One line for each fault of a ValidationError: file, dotted key, what is allowed.
 
-    With `model`, an unknown key is answered with the nearest known one. told: as of `explanations`; below: as
-    of `validated`.
+    With `model`, an unknown key is answered with the nearest known one. located: as of `explanations`; below:
+    as of `validated`.
     """
     lines = [
         ": ".join(filter(None, (str(path), ".".join(filter(None, (*below, key))), message)))
-        for key, message in explanations(error, model, told)
+        for key, message in explanations(error, model, located)
     ]
     others = len(_faults(error)) - len(lines)
     return UserError("\n".join(lines + ([f"{path}: and {others} more faults"] if others else [])))
@@ -120,15 +120,15 @@ def explain(
 def explanations(
     error: ValidationError,
     model: type[BaseModel] | None,
-    told: Callable[[Location], Location] = lambda place: place,
+    located: Callable[[Location], Location] = lambda place: place,
 ) -> list[tuple[str, str]]:
     """The dotted key and the explanation of up to MOST faults in a ValidationError, the most telling first.
 
     A misspelt key is two faults, one that is unknown and one that is missing; a wrong choice, such as a
-    thruster's kind, makes keys unknown that are not. told: the place of a fault as the file's reader knows
+    thruster's kind, makes keys unknown that are not. located: the place of a fault as the file's reader knows
     it, from pydantic's.
     """
-    return [_explanation(fault, told(fault["loc"]), model) for fault in _faults(error)[:MOST]]
+    return [_explanation(fault, located(fault["loc"]), model) for fault in _faults(error)[:MOST]]
 
 
 def _faults(error: ValidationError) -> list[ErrorDetails]:
@@ -141,10 +141,10 @@ def _faults(error: ValidationError) -> list[ErrorDetails]:
 
 def _explanation(fault: ErrorDetails, loc: Location, model: type[BaseModel] | None) -> tuple[str, str]:
     key = clipped(".".join(clipped(part) for part in loc if part != KEY_ITSELF), 200)
-    return key, _told(fault, loc, model)
+    return key, _message(fault, loc, model)
 
 
-def _told(fault: ErrorDetails, loc: Location, model: type[BaseModel] | None) -> str:
+def _message(fault: ErrorDetails, loc: Location, model: type[BaseModel] | None) -> str:
     kind = fault["type"]
     context = {
         key: f"{held:g}" if isinstance(held, float) else held for key, held in fault.get("ctx", {}).items()
@@ -162,14 +162,14 @@ def _told(fault: ErrorDetails, loc: Location, model: type[BaseModel] | None) -> 
     if kind in LENGTHS:
         return LENGTHS[kind].format(**context)
     if kind in KINDS:
-        told = f"must be {KINDS[kind].format(**context)}"
+        message = f"must be {KINDS[kind].format(**context)}"
     elif kind == "string_pattern_mismatch":
-        told = PATTERNS.get(context["pattern"], f"must match the pattern {context['pattern']}")
+        message = PATTERNS.get(context["pattern"], f"must match the pattern {context['pattern']}")
     else:  # a complaint of our own
         return clipped(fault["msg"].removeprefix("Value error, ").replace("\n", " "), 500)
     value = in_yaml(fault["input"])
-    told += "" if len(value) > LONGEST_VALUE else f", not {value}"
-    return clipped(told, 500) + (QUOTED if _is_quoted_number(fault) else "")
+    message += "" if len(value) > LONGEST_VALUE else f", not {value}"
+    return clipped(message, 500) + (QUOTED if _is_quoted_number(fault) else "")
 
 
 def in_yaml(value: Any) -> str:

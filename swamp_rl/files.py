@@ -13,7 +13,7 @@ from typing import Any
 import yaml
 
 from swamp_rl.clipped import clipped
-from swamp_rl.errors import UserError, told_of
+from swamp_rl.errors import UserError, errors_at
 from swamp_rl.explain import explain as explain
 from swamp_rl.explain import explanations as explanations
 from swamp_rl.explain import in_yaml
@@ -197,7 +197,7 @@ def extended_config(kind: str, path: Path, extended: Any) -> Path:
     """The file that the one at `path` extends: a bare name of that kind, or a path from its own folder."""
     if not isinstance(extended, str) or not extended:
         raise UserError(f"{path}: extends must be the name or the path of a file, not {in_yaml(extended)}")
-    with told_of(f"{path}: extends"):
+    with errors_at(f"{path}: extends"):
         is_name = Path(extended).suffix == "" and len(Path(extended).parts) == 1
         return find_config(kind, extended if is_name else path.parent / extended)
 

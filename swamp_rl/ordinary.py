@@ -43,5 +43,5 @@ def _refuse(found: os.stat_result, most: int | None) -> None:
 
 
 def _too_large(most: int) -> OSError:
-    told = f"{most / 2**30:g} GiB" if most >= 2**30 else f"{most / 2**20:g} MiB"
-    return OSError(errno.EFBIG, f"is larger than {told}")
+    limit = f"{most / 2**30:g} GiB" if most >= 2**30 else f"{most / 2**20:g} MiB"
+    return OSError(errno.EFBIG, f"is larger than {limit}")

@@ -48,7 +48,7 @@ def own_code(name: str) -> Any:
             raise UserError(
                 f"{name}: cannot be imported, no module {error.name!r}; put it on PYTHONPATH"
             ) from error
-        raise UserError(f"{name}: {_told(error, _files_of(module))}") from error
+        raise UserError(f"{name}: {_message(error, _files_of(module))}") from error
     if not hasattr(made, attribute):
         own = [known for known in vars(made) if not known.startswith("_")]
         raise UserError(f"{name}: the module has no {attribute!r}{nearest(attribute, own[:MOST_NAMED])}")
@@ -59,10 +59,10 @@ def own_code(name: str) -> Any:
 def fault_in_own_code(error: BaseException) -> str | None:
     """Where in code that the user named an exception arose and what it says; None if it arose elsewhere."""
     files = {file for module in _modules for file in _files_of(module)}
-    return _told(error, files) if _place(error, files) else None
+    return _message(error, files) if _place(error, files) else None
 
 
-def _told(error: BaseException, files: Collection[str]) -> str:
+def _message(error: BaseException, files: Collection[str]) -> str:
     place = _place(error, files)
     says = error.msg if isinstance(error, SyntaxError) else str(error)
     return f"{place + ': ' if place else ''}{type(error).__name__}: {' '.join(says.split())}; correct it"

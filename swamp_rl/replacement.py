@@ -15,7 +15,7 @@ WRITTEN = ".written"
 LITTER = (".DS_Store", "Thumbs.db", "desktop.ini", "__pycache__")
 """Of operating systems and of Python; nobody's work, as are names that begin with one of NOBODYS."""
 NOBODYS = (*UNFINISHED, "._")
-TOLD = 3
+NAMED = 3
 """Files that a refusal names."""
 
 
@@ -49,8 +49,8 @@ def refuse_to_replace(path: Path, replaces: Collection[str], derived: Collection
     except OSError as error:
         raise os_error(error, path) from error
     if new:
-        names = ", ".join(clipped(name) for name in new[:TOLD])
-        more = f" and {counted(len(new) - TOLD, 'more file')}" if len(new) > TOLD else ""
+        names = ", ".join(clipped(name) for name in new[:NAMED])
+        more = f" and {counted(len(new) - NAMED, 'more file')}" if len(new) > NAMED else ""
         raise UserError(
             f"{path}: is not replaced, as {names}{more} in it came or changed after it was written; move or "
             "remove such files, or name another folder"

@@ -29,7 +29,7 @@ def new_since(folder: Path, name: str) -> Iterator[str]:
         lines = contents(folder / name, MOST_JSON, follow=False).decode("utf-8").split("\n")
     except (OSError, UnicodeDecodeError):
         lines = []
-    sums = {told[2]: told[1] for told in map(_LINE.fullmatch, lines) if told}
+    sums = {match[2]: match[1] for match in map(_LINE.fullmatch, lines) if match}
     for path in _all_but_folders(folder):
         found = path.relative_to(folder).as_posix()
         same = found in sums and not path.is_symlink() and path.is_file() and _digest(path) == sums[found]
@@ -61,15 +61,15 @@ def changed(folder: Path) -> list[str]:
         return [f"{SUMS} cannot be read; export the dataset again"]
     found = []
     for number, line in enumerate(lines, 1):
-        told = _LINE.fullmatch(line)
-        file = _listed(folder, told[2]) if told else None
-        if told is None or file is None:
+        match = _LINE.fullmatch(line)
+        file = _listed(folder, match[2]) if match else None
+        if match is None or file is None:
             found.append(f"{SUMS} line {number}: is no checksum of a file in here; export the dataset again")
         elif not file.is_file():
-            found.append(f"{told[2]}: is listed in {SUMS} but is not here; export the dataset again")
-        elif _digest(file) != told[1]:
+            found.append(f"{match[2]}: is listed in {SUMS} but is not here; export the dataset again")
+        elif _digest(file) != match[1]:
             found.append(
-                f"{told[2]}: its SHA-256 is not the one in {SUMS}; export the dataset again, or remove "
+                f"{match[2]}: its SHA-256 is not the one in {SUMS}; export the dataset again, or remove "
                 f"{SUMS} if it was changed on purpose"
             )
     return found

@@ -11,7 +11,7 @@ from pathlib import Path
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import UNFINISHED, flush, flush_whole, os_error, write_beside
-from swamp_rl.replacement import TOLD, list_written, refuse_to_replace
+from swamp_rl.replacement import NAMED, list_written, refuse_to_replace
 
 
 @contextmanager
@@ -188,8 +188,8 @@ def _begin(part: Path, description: Mapping[str, bytes]) -> None:
     other = _differences(part, description)
     if other and (finished := _finished(part, description)):
         raise UserError(
-            f"{part}: holds unfinished work ({', '.join(finished[:TOLD])}) of another configuration or "
-            f"version ({'; '.join(other[:TOLD])}); repeat the earlier command to resume it, name another "
+            f"{part}: holds unfinished work ({', '.join(finished[:NAMED])}) of another configuration or "
+            f"version ({'; '.join(other[:NAMED])}); repeat the earlier command to resume it, name another "
             "folder, or remove this one to start over"
         )
     for entry in list(part.iterdir()) if other else ():
@@ -234,7 +234,7 @@ State = tuple[int, int, tuple[str, ...]]
 def _state(path: Path) -> State | None:
     """What changes when something is put into folder `path`, or another one in its place.
 
-    The names are told as well, as two changes within a tick of the system's clock have one time.
+    The names are compared as well, since two changes within a tick of the system's clock have one time.
     """
     try:
         found = path.lstat()

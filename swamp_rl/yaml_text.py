@@ -106,7 +106,7 @@ def _read(text: str) -> Any:
 
 def remedy(problem: str) -> str:
     """The end of a line that tells a problem of the parser: what is usually wrong there, or nothing."""
-    return next((f"; {told}" for words, told in _REMEDIES.items() if words in problem), "")
+    return next((f"; {advice}" for words, advice in _REMEDIES.items() if words in problem), "")
 
 
 def dumped(data: Mapping[str, Any]) -> str:
@@ -165,8 +165,8 @@ def _refuse_odd_number(event: yaml.ScalarEvent) -> None:
         if _RESOLVER.resolve(yaml.ScalarNode, event.value, (True, False)) in _NUMBERS:
             raise _problem(event, f"a number of more than {LONGEST_NUMBER} characters")
     elif _AMBIGUOUS.match(event.value):
-        told = "is read differently by versions of YAML; write a decimal number, or text in quotes"
-        raise _problem(event, f"{event.value} {told}")
+        message = "is read differently by versions of YAML; write a decimal number, or text in quotes"
+        raise _problem(event, f"{event.value} {message}")
 
 
 def _problem(event: yaml.Event, problem: str) -> yaml.YAMLError:

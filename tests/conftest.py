@@ -51,7 +51,7 @@ def _heed_signals() -> None:
     """
     for number in (signal.SIGINT, signal.SIGHUP):
         if signal.getsignal(number) == signal.SIG_IGN:
-            signal.signal(number, lambda *told: None)
+            signal.signal(number, lambda *_: None)
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
@@ -59,7 +59,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     import the test modules from another one on.
 
     Both are left on the disk, the modules as pytest compiles them, with their assertions: so everything is
-    compiled once. What fails is told of when it is collected or tested.
+    compiled once. What fails is reported when it is collected or tested.
     """
     whole = session.config.args_source == pytest.Config.ArgsSource.TESTPATHS
     worker, count = (os.environ.get(f"PYTEST_XDIST_WORKER{name}", "") for name in ("", "_COUNT"))

@@ -1,4 +1,4 @@
-"""The public names: found, light to import, told to type checkers, and right where they add something."""
+"""The public names: found, light to import, known to type checkers, and right where they add something."""
 
 import ast
 import math
@@ -26,24 +26,24 @@ def straight_ahead(rows: int, throttle: float) -> np.ndarray:
     return np.hstack([np.zeros((rows, K)), np.full((rows, K), throttle)])
 
 
-def test_every_public_name_is_documented_and_told_to_type_checkers() -> None:
+def test_every_public_name_is_documented_and_known_to_type_checkers() -> None:
     assert all(getattr(swamp_rl, name).__doc__ for name in swamp_rl.PUBLIC)
     stub = ast.parse((ROOT / "swamp_rl" / "__init__.pyi").read_text())
-    told = {
+    entries = {
         alias.asname: f"{node.module}:{alias.name}"
         for node in stub.body
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     }
     packages = {"swamp_rl:course": "swamp_rl.course", "swamp_rl:effects": "swamp_rl.effects"}
-    assert {name: packages.get(place, place) for name, place in told.items()} == swamp_rl.PUBLIC
+    assert {name: packages.get(place, place) for name, place in entries.items()} == swamp_rl.PUBLIC
     assert set(swamp_rl.PUBLIC) <= set(dir(swamp_rl))
 
 
 def test_help_documents_the_public_functions() -> None:
-    told = pydoc.render_doc(swamp_rl, renderer=pydoc.plaintext)
+    message = pydoc.render_doc(swamp_rl, renderer=pydoc.plaintext)
     functions = [name for name, place in swamp_rl.PUBLIC.items() if ":" in place]
-    assert [name for name in functions if not re.search(rf"^    {name}(\(| = )", told, re.MULTILINE)] == []
+    assert [name for name in functions if not re.search(rf"^    {name}(\(| = )", message, re.MULTILINE)] == []
 
 
 def test_a_dataset_that_was_read_is_taken_wherever_its_folder_is(folder: Path, tmp_path: Path) -> None:

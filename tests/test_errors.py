@@ -1,10 +1,10 @@
-"""What a person is told prints and can be read, whatever it quotes."""
+"""Messages print and can be read, whatever they quote."""
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from swamp_rl.errors import LONGEST, UserError, told_of
+from swamp_rl.errors import LONGEST, UserError, errors_at
 
 
 @given(st.text(max_size=30), st.integers(1, 400))
@@ -13,11 +13,11 @@ def test_each_line_of_an_error_prints_and_is_short(text: str, times: int) -> Non
         assert line == "" or (line.isprintable() and len(line) <= LONGEST)
 
 
-def test_what_is_told_of_a_file_names_it_on_each_line() -> None:
-    with pytest.raises(UserError) as refused, told_of("a.yaml: loads"):
+def test_what_is_reported_a_file_names_it_on_each_line() -> None:
+    with pytest.raises(UserError) as refused, errors_at("a.yaml: loads"):
         raise UserError("mass: no\ndraught: no")
     assert str(refused.value) == "a.yaml: loads: mass: no\na.yaml: loads: draught: no"
 
 
-def test_a_short_printable_line_is_told_as_it_is() -> None:
+def test_a_short_printable_line_is_reported_as_it_is() -> None:
     assert str(UserError("a.yaml: step: must be positive")) == "a.yaml: step: must be positive"

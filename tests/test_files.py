@@ -222,7 +222,7 @@ def test_any_bytes_are_either_a_mapping_or_one_line_of_complaint(
 
 
 @pytest.mark.parametrize(
-    ("text", "line", "told"),
+    ("text", "line", "message"),
     [
         ("pilots:\n\tmine: 1\n", 2, "indent with spaces, not tabs"),
         ("name:mine\nboat: swamp\n", 2, "a space follows a colon, also on the line before"),
@@ -232,15 +232,15 @@ def test_any_bytes_are_either_a_mapping_or_one_line_of_complaint(
         ("data:\n  good: 1\n failed: 2\n", 3, "indent the keys of one block alike"),
     ],
 )
-def test_a_usual_slip_in_yaml_is_told_with_its_remedy(
-    tmp_path: Path, text: str, line: int, told: str
+def test_a_usual_slip_in_yaml_is_reported_with_its_remedy(
+    tmp_path: Path, text: str, line: int, message: str
 ) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(text)
     with pytest.raises(UserError) as caught:
         read_yaml(path)
     assert str(caught.value).startswith(f"{path}: line {line}, column ")
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_a_config_is_found_by_bare_name_or_by_path(tmp_path: Path) -> None:
@@ -313,5 +313,5 @@ def test_what_does_not_fit_is_named_by_dotted_key(data: dict[str, object], messa
 def test_every_fault_has_its_line() -> None:
     with pytest.raises(UserError) as caught:
         validated("f.yaml", Ship, {"name": 1, "motors": 2})
-    told = [line.rpartition(":")[0] for line in str(caught.value).splitlines()]
-    assert told == ["f.yaml: name", "f.yaml: motors"]
+    message = [line.rpartition(":")[0] for line in str(caught.value).splitlines()]
+    assert message == ["f.yaml: name", "f.yaml: motors"]

@@ -21,7 +21,7 @@ from swamp_rl.runs import Run, append_run, create_dataset, inspect_dataset, read
 from swamp_rl.runs.export_dataset import export_runs
 from swamp_rl.runs.import_dataset import import_runs
 from tests.support.driving import recordings
-from tests.support.hostile_names import EXAMPLES, HOSTILE, SECRET, around, said, victims, written
+from tests.support.hostile_names import EXAMPLES, HOSTILE, SECRET, around, message_of, victims, written
 from tests.support.runs import circling, described
 
 
@@ -52,11 +52,11 @@ class Place:
         written(self.runs / "dataset.yaml", read_yaml(self.runs / "dataset.yaml") | changes)
 
     def used(self) -> Iterator[str]:
-        """Have the dataset read, exported to all formats and imported; what each of them said."""
+        """Have the dataset read, exported to all formats and imported; the message of each."""
         for number, to in enumerate(("csv", "parquet", "mcap", "minari", "lerobot")):
-            yield said(export_runs, self.runs, to, self.here / f"out{number}")
-        yield said(import_runs, [self.runs], "csv", self.here / "imported")
-        yield said(read_dataset, self.runs)
+            yield message_of(export_runs, self.runs, to, self.here / f"out{number}")
+        yield message_of(import_runs, [self.runs], "csv", self.here / "imported")
+        yield message_of(read_dataset, self.runs)
 
     def is_confined(self) -> bool:
         """Whether all around is as it was, and none of it has come into `here`."""
@@ -98,12 +98,12 @@ def test_a_link_is_no_file_of_its_folder(tmp_path: Path) -> None:
 def test_no_name_in_a_dataset_reaches_out_of_it(places: Any, key: str, name: str) -> None:
     place = places()
     name = name.replace("{root}", str(place.root))
-    told = read_yaml(place.runs / "dataset.yaml")
+    data = read_yaml(place.runs / "dataset.yaml")
     changes = {
         "vehicle": {"vehicle": name},
         "course": {"course": name},
         "copies": {"copies": {name: "0" * 64}, "vehicle": name.removesuffix(".yaml")},
-        "file": {"runs": [{**told["runs"][0], "file": name}]},
+        "file": {"runs": [{**data["runs"][0], "file": name}]},
     }
     place.tamper(**changes[key])
     refused = [line for line in place.used() if line]
@@ -144,10 +144,10 @@ def test_no_name_in_an_mcap_file_reaches_out(
     places: Any, vehicle: str, course: str, copy: str, run: str
 ) -> None:
     place = places()
-    told = described(vehicle=vehicle, course=course).model_dump(exclude_none=True, exclude={"runs"})
+    meta = described(vehicle=vehicle, course=course).model_dump(exclude_none=True, exclude={"runs"})
     record = {
         "run": json.dumps({"file": run}),
-        "dataset": json.dumps(told),
+        "dataset": json.dumps(meta),
         "copies": json.dumps({copy: SECRET}),
     }
     path = place.here / "one.mcap"
@@ -161,7 +161,7 @@ def test_no_name_in_an_mcap_file_reaches_out(
             row = {"time": number / 10, "north": 0.0, "east": 0.0, "heading": 0.0}
             writer.add_message(channel, number, json.dumps(row).encode(), number)
         writer.finish()
-    said(import_runs, [path], "mcap", place.here / "imported")
+    message_of(import_runs, [path], "mcap", place.here / "imported")
     assert place.outside() == place.before
 
 
@@ -171,7 +171,7 @@ def test_no_name_in_an_mcap_file_reaches_out(
 def test_a_run_is_written_under_a_plain_name_only(places: Any, name: str) -> None:
     place = places()
     name = name.replace("{root}", str(place.root))
-    complaint = said(append_run, place.runs, Run(name, circling()))
+    complaint = message_of(append_run, place.runs, Run(name, circling()))
     assert place.outside() == place.before
     assert complaint or {path.name for path in place.runs.iterdir()} >= {f"{name}.parquet"}
     assert complaint or "/" not in name
@@ -190,7 +190,7 @@ def test_names_in_an_experiment_and_a_sweep_are_those_of_folders_in_the_results(
     written(folder / "name.yaml", experiment | {"name": name})
     written(folder / "sweep.yaml", read_yaml(find_config("sweeps", "reservoir_grid")) | {"name": name})
     for load, file in ((load_experiment, "pilots"), (load_experiment, "name"), (load_sweep, "sweep")):
-        complaint = said(load, folder / f"{file}.yaml")
+        complaint = message_of(load, folder / f"{file}.yaml")
         assert complaint or (Path(name).name == name and not name.startswith("."))
 
 
@@ -202,7 +202,7 @@ def test_no_level_in_results_names_a_file_elsewhere(
     (folder / "config" / "disturbances").mkdir(parents=True)
     (folder.parent / "boat.yaml").write_text(SECRET)
     result = Result(folder, {}, {("pilot", level): None}, {}, {})  # type: ignore[dict-item]
-    complaint = said(result.setting)
+    complaint = message_of(result.setting)
     assert complaint or "/" not in level
 
 
@@ -215,7 +215,7 @@ def test_a_recorder_gives_the_runs_of_its_dataset_and_no_others(
     kept = recordings(folder)
     try:
         write_run(folder.parent / "boat.csv", Run("boat", circling()))
-        assert said(kept.read, name)
+        assert message_of(kept.read, name)
     finally:
         kept.close()
 

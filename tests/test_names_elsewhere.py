@@ -21,7 +21,7 @@ from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
 from swamp_rl.runs.free_running import COLUMNS
 from swamp_rl.runs.import_dataset import About, import_runs
 from swamp_rl.runs.import_telemetry import FIELDS
-from tests.support.hostile_names import EXAMPLES, HOSTILE, around, said, victims, written
+from tests.support.hostile_names import EXAMPLES, HOSTILE, around, message_of, victims, written
 from tests.support.result_folders import folder_of
 from tests.support.runs import circling, described
 
@@ -52,8 +52,8 @@ def test_no_pilot_or_level_in_results_reaches_out_of_a_comparison(here: Any, pil
     table = read_episodes(folder / "episodes.parquet")["reservoir", "calm"]
     write_episodes(folder / "episodes.parquet", {(pilot, level): table})
     before = around(place)
-    complaint = said(lambda: report(compare([folder], 0)))
-    said(lambda: page(gather(place, 0)))
+    complaint = message_of(lambda: report(compare([folder], 0)))
+    message_of(lambda: page(gather(place, 0)))
     assert around(place) == before
     for name in (pilot, level):
         assert complaint or (name.isprintable() and not set(name) & set("[]|<>`"))
@@ -69,10 +69,10 @@ def test_no_name_in_results_reaches_out_of_a_demo(here: Any, name: str, key: str
     for driver in ("data", "driven/ppo"):
         create_dataset(place / "results" / driver, described())
         append_run(place / "results" / driver, Run("one", circling()))
-    told = {"race": {"runs": {key: name, "ppo": "one"}}, "data": {"source": name}}
-    (place / "results" / "results.json").write_text(json.dumps(told))
+    message = {"race": {"runs": {key: name, "ppo": "one"}}, "data": {"source": name}}
+    (place / "results" / "results.json").write_text(json.dumps(message))
     before = around(place)
-    said(lambda: write_page(place / "page.html", read_shown([place / "results"], [], "start")))
+    message_of(lambda: write_page(place / "page.html", read_shown([place / "results"], [], "start")))
     assert around(place) == before
     assert {path.name for path in place.iterdir()} <= {"results", "page.html"}
     assert not (place / "page.html").exists() or "secret" not in (place / "page.html").read_text()
@@ -84,12 +84,12 @@ def test_no_name_in_results_reaches_out_of_a_demo(here: Any, name: str, key: str
 def test_no_pilot_of_a_trained_folder_is_looked_for_elsewhere(here: Any, name: str) -> None:
     place = here()
     folder = folder_of(place / "results", {"reservoir": np.arange(9) < 5})
-    told = read_yaml(folder / "config" / "experiment.yaml")
-    plan = told["pilots"]["reservoir"]
+    data = read_yaml(folder / "config" / "experiment.yaml")
+    plan = data["pilots"]["reservoir"]
     pilots = {name.replace("{root}", str(place.parent)): plan}
-    written(folder / "config" / "experiment.yaml", {**told, "pilots": pilots})
+    written(folder / "config" / "experiment.yaml", {**data, "pilots": pilots})
     before = around(place)
-    assert said(evaluate_folders, folder, out=place / "out")
+    assert message_of(evaluate_folders, folder, out=place / "out")
     assert around(place) == before and not (place / "out").exists()
 
 
@@ -120,7 +120,7 @@ def test_a_log_is_imported_under_a_plain_name_or_not_at_all(
     (place / "logs").mkdir()
     (place / "logs" / name).write_text(text)
     before = around(place)
-    complaint = said(import_runs, [place / "logs"], kind, place / "out", About(group=name))
+    complaint = message_of(import_runs, [place / "logs"], kind, place / "out", About(group=name))
     assert around(place) == before
     if complaint:
         assert name != f"one{suffix}" and not (place / "out").exists()
@@ -134,10 +134,10 @@ def test_a_link_among_logs_is_refused(here: Any, kind: Any, suffix: str) -> None
     place = here()
     (place / "logs").mkdir()
     (place / "logs" / f"one{suffix}").symlink_to(place.parent / "victim" / "boat.csv")
-    assert "is a link" in said(import_runs, [place / "logs"], kind, place / "out")
+    assert "is a link" in message_of(import_runs, [place / "logs"], kind, place / "out")
     assert not (place / "out").exists()
 
 
 def test_a_boat_whose_name_would_act_on_a_terminal_is_not_written(tmp_path: Path) -> None:
-    assert "does not print" in said(write_yaml, tmp_path / "boat.yaml", {"name": "\x1b[2J"})
+    assert "does not print" in message_of(write_yaml, tmp_path / "boat.yaml", {"name": "\x1b[2J"})
     assert list(tmp_path.iterdir()) == []

@@ -106,10 +106,10 @@ def test_a_result_in_which_something_would_be_lost_is_refused_before_any_work(
     out = written(writer, tmp_path / "out")
     change(out)
     before = sorted(out.rglob("*"))
-    with pytest.raises(UserError) as told, writer(out):
+    with pytest.raises(UserError) as error, writer(out):
         pytest.fail("no work may be done where its result cannot take its place")
-    assert str(told.value).startswith(f"{out}: is not replaced, as ") and LOST[change] in str(told.value)
-    assert "\n" not in str(told.value)
+    assert str(error.value).startswith(f"{out}: is not replaced, as ") and LOST[change] in str(error.value)
+    assert "\n" not in str(error.value)
     assert sorted(out.rglob("*")) == before
 
 
@@ -159,7 +159,7 @@ def test_what_nobody_wrote_as_their_work_does_not_stand_in_the_way(writer: Write
     assert not (out / "empty").exists()
 
 
-def test_a_result_that_was_copied_or_moved_is_still_told_from_what_is_added(tmp_path: Path) -> None:
+def test_a_result_that_was_copied_or_moved_is_still_distinguished_from_what_is_added(tmp_path: Path) -> None:
     out = written(WRITERS["at once"], tmp_path / "out")
     shutil.copytree(out, tmp_path / "copy", copy_function=shutil.copyfile)
     for path in (tmp_path / "copy", out.rename(tmp_path / "moved")):

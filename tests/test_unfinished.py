@@ -50,17 +50,17 @@ def test_the_same_job_finds_what_was_finished_and_nothing_half_written(tmp_path:
 OTHER = {"config/it.yaml": b"a: 2\n"}
 
 
-def test_what_another_job_has_finished_is_kept_and_the_difference_told(tmp_path: Path) -> None:
+def test_what_another_job_has_finished_is_kept_and_the_difference_reported(tmp_path: Path) -> None:
     interrupted(tmp_path / "out")
-    with pytest.raises(UserError) as told, taken_up(tmp_path / "out", (), OTHER):
+    with pytest.raises(UserError) as error, taken_up(tmp_path / "out", (), OTHER):
         pytest.fail("no work may be done")
     for words in (
         ".part-out: holds unfinished work (done)",
         "config/it.yaml: there 'a: 1', now 'a: 2'",
         "repeat the earlier command",
     ):
-        assert words in str(told.value)
-    assert "\n" not in str(told.value)
+        assert words in str(error.value)
+    assert "\n" not in str(error.value)
     with taken_up(tmp_path / "out", (), SAME) as part:
         assert (part / "done").read_text() == "done"
 
@@ -158,11 +158,11 @@ def test_an_interrupt_between_the_two_renames_leaves_the_earlier_result_in_its_p
     assert (out / "mark").read_text() == "earlier"
 
 
-def test_a_lock_that_cannot_be_made_is_told_with_the_path_that_was_asked_for(tmp_path: Path) -> None:
+def test_a_lock_that_cannot_be_made_is_reported_with_the_path_that_was_asked_for(tmp_path: Path) -> None:
     (tmp_path / ".lock-out").mkdir()
-    with pytest.raises(UserError) as told, locked(tmp_path / "out"):
+    with pytest.raises(UserError) as error, locked(tmp_path / "out"):
         pytest.fail("no work may be done without the lock")
-    assert str(told.value).startswith(f"{tmp_path / 'out'}: ")
+    assert str(error.value).startswith(f"{tmp_path / 'out'}: ")
 
 
 def test_a_lock_leaves_no_folder_that_it_made(tmp_path: Path) -> None:

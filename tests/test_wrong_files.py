@@ -51,7 +51,7 @@ def _with(data: Any, key: Any, value: object) -> Any:
     return whole
 
 
-def test_a_fault_inside_one_of_several_kinds_is_told_by_the_key_that_the_file_has(tmp_path: Path) -> None:
+def test_a_fault_inside_one_of_several_kinds_is_reported_by_the_key_that_the_file_has(tmp_path: Path) -> None:
     path = tmp_path / "path.yaml"
     path.write_text("name: a\nspeed: 1\npieces: [{kind: lawn_mower, length: -1, lines: 2, spacing: 5}]\n")
     with pytest.raises(UserError, match=r"path.yaml: pieces\.0\.length: must be at least 0.1, not -1"):
@@ -62,7 +62,7 @@ def test_a_fault_inside_one_of_several_kinds_is_told_by_the_key_that_the_file_ha
 def test_what_a_file_must_not_hold_is_explained_without_words_of_python(kind: str, tmp_path: Path) -> None:
     shipped, read = READERS[kind]
     data = read_yaml(find_config(kind, shipped))
-    told = []
+    lines = []
     for wrong in WRONG:
         for number, content in enumerate(changed(data, wrong)):
             path = tmp_path / f"{number}.yaml"
@@ -70,6 +70,6 @@ def test_what_a_file_must_not_hold_is_explained_without_words_of_python(kind: st
             try:
                 read(path)
             except UserError as error:
-                told += [line.replace(str(tmp_path), "") for line in str(error).split("\n")]
-    assert told
-    assert [line for line in told if FOREIGN.search(line)] == []
+                lines += [line.replace(str(tmp_path), "") for line in str(error).split("\n")]
+    assert lines
+    assert [line for line in lines if FOREIGN.search(line)] == []

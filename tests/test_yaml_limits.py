@@ -59,21 +59,21 @@ def refusal(path: Path, text: str) -> str:
 
 @pytest.mark.parametrize("name", BOMBS)
 def test_a_bomb_is_refused_in_one_line(name: str, tmp_path: Path) -> None:
-    text, told = BOMBS[name]
-    assert told in refusal(tmp_path / "file.yaml", text)
+    text, message = BOMBS[name]
+    assert message in refusal(tmp_path / "file.yaml", text)
 
 
 @pytest.mark.parametrize("name", [name for name, (text, _) in BOMBS.items() if len(text) < 100_000])
 def test_a_bomb_behind_set_is_refused_in_one_line(name: str) -> None:
-    text, told = BOMBS[name]
+    text, message = BOMBS[name]
     value = f"{{{text}}}" if text.startswith("a: ") else text
     with pytest.raises(UserError, match=r"override .*malformed YAML") as caught:
         load_experiment("smoke", [f"description={value}"])
-    assert told in str(caught.value) or "malformed" in str(caught.value)
+    assert message in str(caught.value) or "malformed" in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_of_twenty_thousand_unknown_keys_twenty_are_told_and_the_rest_counted(tmp_path: Path) -> None:
+def test_of_twenty_thousand_unknown_keys_twenty_are_reported_and_the_rest_counted(tmp_path: Path) -> None:
     text = yaml.safe_dump({"name": "x"} | {f"key_{i}": i for i in range(20_000)})
     (tmp_path / "file.yaml").write_text(text)
     begun = time.process_time()
@@ -87,14 +87,14 @@ def test_of_twenty_thousand_unknown_keys_twenty_are_told_and_the_rest_counted(tm
     "name", ["k" * 100_000, "a\nb", "\x1b[31m", "\u202e"], ids=["long", "line", "ansi", "bidi"]
 )
 def test_a_name_too_long_or_unprintable_does_not_spoil_the_line(name: str, tmp_path: Path) -> None:
-    told = {"name": "x", "evaluation": {name: 1}, name[:900]: 2}
-    (tmp_path / "file.yaml").write_text(yaml.safe_dump(told))
+    message = {"name": "x", "evaluation": {name: 1}, name[:900]: 2}
+    (tmp_path / "file.yaml").write_text(yaml.safe_dump(message))
     with pytest.raises(UserError) as caught:
         load_experiment(tmp_path / "file.yaml")
-    for told in str(caught.value).split("\n"):
-        assert told.startswith(f"{tmp_path}/file.yaml: ")
-        assert told.isprintable()
-        assert len(told) < 1000
+    for message in str(caught.value).split("\n"):
+        assert message.startswith(f"{tmp_path}/file.yaml: ")
+        assert message.isprintable()
+        assert len(message) < 1000
 
 
 LONG = {"bare": "x" * 5_000, "file": "y" * 5_000 + ".yaml", "path": "a/" * 3_000 + "b.yaml", "null": "a\0b"}
@@ -173,8 +173,8 @@ AMBIGUOUS = ["1:30", "-1:30.5", "12:30:00", "0:30", "017", "-08", "0o17", "0b11"
 
 @pytest.mark.parametrize("number", AMBIGUOUS)
 def test_a_number_that_versions_of_yaml_read_differently_is_refused(tmp_path: Path, number: str) -> None:
-    told = refusal(tmp_path / "a.yaml", f"a: 1\nb: {number}\n")
-    assert "line 2" in told and number in told and "text in quotes" in told
+    message = refusal(tmp_path / "a.yaml", f"a: 1\nb: {number}\n")
+    assert "line 2" in message and number in message and "text in quotes" in message
 
 
 @pytest.mark.parametrize("text", [*AMBIGUOUS, "yes", "2020-01-01", "1_000", "1e3", "0x1F", "~"])

@@ -58,9 +58,9 @@ def outcome(format: Format, path: Path, data: bytes) -> str:
     try:
         format.read(path)
     except UserError as error:
-        told = str(error)
-        assert len(told) < 30_000, f"too long: {told[:200]!r}"
-        for line in told.split("\n"):
+        message = str(error)
+        assert len(message) < 30_000, f"too long: {message[:200]!r}"
+        for line in message.split("\n"):
             assert line.isprintable() and len(line) < 3000, f"no short line: {line[:200]!r}"
         return "refused"
     return "accepted"
@@ -136,13 +136,13 @@ def resealed(data: bytes) -> bytes:
     import hashlib
 
     try:
-        told = json.loads(data)
-        told.pop("sha256", None)
-        text = json.dumps(told, indent=2) + "\n"
-        told["sha256"] = hashlib.sha256(text.encode()).hexdigest()
+        stored = json.loads(data)
+        stored.pop("sha256", None)
+        text = json.dumps(stored, indent=2) + "\n"
+        stored["sha256"] = hashlib.sha256(text.encode()).hexdigest()
     except (ValueError, AttributeError, RecursionError, TypeError):
         return data
-    return (json.dumps(told, indent=2) + "\n").encode()
+    return (json.dumps(stored, indent=2) + "\n").encode()
 
 
 def _resealed_weights(path: Path) -> Any:
@@ -150,10 +150,10 @@ def _resealed_weights(path: Path) -> Any:
     import hashlib
 
     description = path.parent / "pilot.json"
-    told = json.loads(description.read_bytes())
+    stored = json.loads(description.read_bytes())
     data = path.read_bytes()
-    told["weights"]["sha256"] = hashlib.sha256(data).hexdigest()
-    description.write_bytes(resealed(json.dumps(told).encode()))
+    stored["weights"]["sha256"] = hashlib.sha256(data).hexdigest()
+    description.write_bytes(resealed(json.dumps(stored).encode()))
     return _pilot(path)
 
 
@@ -235,10 +235,10 @@ def _message(path: Path) -> Any:
     from swamp_rl.teleop.messages import clean_nickname, parse
 
     data = path.read_bytes()
-    told = parse(data)
+    result = parse(data)
     with suppress(UnicodeDecodeError):
-        told = parse(data.decode())
-    return clean_nickname(getattr(told, "nickname", None) or "")
+        result = parse(data.decode())
+    return clean_nickname(getattr(result, "nickname", None) or "")
 
 
 def _episodes(path: Path) -> Any:

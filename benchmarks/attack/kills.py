@@ -35,7 +35,7 @@ LIVES = 25
 
 
 def drive_and_accept(case: Path) -> None:
-    """Accept two runs of three, each told once it is accepted."""
+    """Accept two runs of three, each reported once it is accepted."""
     game, now = recorder(case), 0.0
     for keep in (True, False, True):
         now = driven(game, now)

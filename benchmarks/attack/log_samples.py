@@ -88,8 +88,8 @@ def make_dataflash(folder: Path, rows: int = 12) -> Path:
         "FMT": (128, "BBnNZ", "Type,Length,Name,Format,Columns")
     }.items() | formats.items():
         length = 89 if name == "FMT" else 3 + bodies[name].size
-        told = (name.encode(), letters.encode(), columns.encode())
-        out += b"\xa3\x95\x80" + struct.pack("<BB4s16s64s", kind, length, *told)
+        entries = (name.encode(), letters.encode(), columns.encode())
+        out += b"\xa3\x95\x80" + struct.pack("<BB4s16s64s", kind, length, *entries)
 
     def add(name: str, *values: Any) -> bytes:
         return b"\xa3\x95" + bytes([formats[name][0]]) + bodies[name].pack(*values)

@@ -2,7 +2,7 @@
 
 with_shim("benchmarks.attack.faults", words)   runs a module where the calls are in our hand
 armed(folder, "write", errno.ENOSPC, 3)         there: the third write to a file in the folder fails
-forked(work)                                    does work in a child; how it ended and what it said
+forked(work)                                    does work in a child; how it ended and its output
 """
 
 import atexit
@@ -111,7 +111,7 @@ def scratch() -> Iterator[Path]:
 
 @dataclass(frozen=True)
 class Ended:
-    """How a child ended: `code`, its exit status or minus the signal; what it said; whether it hung."""
+    """How a child ended: `code`, its exit status or minus the signal; its output; whether it hung."""
 
     code: int
     out: str

@@ -1,4 +1,4 @@
-"""A flipped bit of an artefact is told when it is read: never other numbers in silence."""
+"""A flipped bit of an artefact is reported when it is read: never other numbers in silence."""
 
 import random
 from collections.abc import Callable
@@ -87,7 +87,7 @@ def test_a_flipped_bit_of_an_mcap_file_is_refused_or_changes_nothing(tmp_path: P
 
 
 @pytest.mark.parametrize("to", ["csv", "parquet", "mcap", "lerobot", "minari"])
-def test_a_flipped_bit_of_any_exported_file_is_told(to: Any, tmp_path: Path) -> None:
+def test_a_flipped_bit_of_any_exported_file_is_reported(to: Any, tmp_path: Path) -> None:
     create_dataset(tmp_path / "runs", meta())
     append_run(tmp_path / "runs", run())
     out = tmp_path / "out"
@@ -124,7 +124,7 @@ def test_a_run_added_to_an_exported_dataset_leaves_no_stale_checksums(tmp_path: 
 @pytest.mark.parametrize(
     "line", ["nonsense", f"{'0' * 64}  ../runs/dataset.yaml", f"{'0' * 64}  missing.csv"]
 )
-def test_a_line_of_checksums_that_is_none_is_told(line: str, tmp_path: Path) -> None:
+def test_a_line_of_checksums_that_is_none_is_reported(line: str, tmp_path: Path) -> None:
     (tmp_path / SUMS).write_text(line + "\n")
     assert len(changed(tmp_path)) == 1
 

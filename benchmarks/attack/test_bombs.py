@@ -26,11 +26,11 @@ from swamp_rl.tensors_file import LONGEST, tensors_in
 PLAN = {"seed": 0}
 
 
-def refused(name: str, path: Path, *told: str) -> None:
+def refused(name: str, path: Path, *message: str) -> None:
     """Its reader says so in words that hold these."""
     with pytest.raises(UserError) as error:
         FORMATS[name].read(path)
-    assert all(word in str(error.value) for word in told), error.value
+    assert all(word in str(error.value) for word in message), error.value
 
 
 def naming(journal: Path, victim: Path, database: Path) -> None:
@@ -38,9 +38,9 @@ def naming(journal: Path, victim: Path, database: Path) -> None:
     page = struct.unpack(">H", database.read_bytes()[16:18])[0]
     magic, name = bytes.fromhex("d9d505f920a163d7"), str(victim).encode()
     head = magic + struct.pack(">IIIII", 0, 7, database.stat().st_size // page, 512, page)
-    told = struct.pack(">I", 2**30 // page + 1) + name
-    told += struct.pack(">II", len(name), sum(byte if byte < 128 else byte - 256 for byte in name) % 2**32)
-    journal.write_bytes(head.ljust(512, b"\0") + told + magic)
+    message = struct.pack(">I", 2**30 // page + 1) + name
+    message += struct.pack(">II", len(name), sum(byte if byte < 128 else byte - 256 for byte in name) % 2**32)
+    journal.write_bytes(head.ljust(512, b"\0") + message + magic)
 
 
 def test_a_sweeps_journal_cannot_have_a_file_elsewhere_deleted(tmp_path: Path) -> None:
@@ -202,7 +202,7 @@ def test_a_json_text_that_would_fill_the_memory_is_refused_unread(name: str, tmp
     refused(name, path, "is larger than 16 MiB")
 
 
-def test_a_graph_that_cannot_be_computed_is_told_in_one_line(tmp_path: Path) -> None:
+def test_a_graph_that_cannot_be_computed_is_reported_in_one_line(tmp_path: Path) -> None:
     onnx = pytest.importorskip("onnx")
     path = FORMATS["pilot.onnx"].make(tmp_path)
     model = onnx.load(path)

@@ -108,11 +108,11 @@ def every_score(folder: Path) -> list[dict[str, Any]]:
 
 def scored(folder: Path, name: str) -> dict[str, Any]:
     """The result of a diagnosed case, from its truth and its answer, with its Cramér-Rao bound."""
-    told = json.loads((folder / "judged" / f"{name}.json").read_text())
+    data = json.loads((folder / "judged" / f"{name}.json").read_text())
     truth = json.loads((folder / "truth" / f"{name}.json").read_text())
     answer = folder / "answers" / name / "diagnosis.json"
-    found = None if told["error"] else json.loads(answer.read_text())
-    result = {key: told.get(key) for key in ("case", "error", "processor_s", "alone_s")} | judged(
+    found = None if data["error"] else json.loads(answer.read_text())
+    result = {key: data.get(key) for key in ("case", "error", "processor_s", "alone_s")} | judged(
         truth, found
     )
     bound = kept_bound(folder, name, truth) if result["estimates"] or truth["level"] == POWER else None
@@ -142,8 +142,8 @@ def kept_criterion(folder: Path, name: str, truth: Judged, found: Judged) -> flo
             return None
         path.parent.mkdir(exist_ok=True)
         path.write_text(json.dumps(criterion_of_truth(folder / "data" / name, truth, found)))
-    told: float | None = json.loads(path.read_text())
-    return told
+    data: float | None = json.loads(path.read_text())
+    return data
 
 
 def kept_rates(folder: Path, name: str) -> Rates | None:

@@ -60,11 +60,11 @@ for line in sys.stdin:
         found = examine(run_set, None, numpy.random.default_rng(0)).diagnosis
         Path(answer).mkdir(parents=True, exist_ok=True)
         (Path(answer) / "diagnosis.json").write_text(found.model_dump_json())
-        told = "done"
+        ended = "done"
     except Exception as fault:
         place = traceback.extract_tb(fault.__traceback__)[-1]
-        told = f"{fault!r} in {place.name}".replace(chr(10), " ")
-    print(time.process_time() - begun, told, sep=chr(9), flush=True)
+        ended = f"{fault!r} in {place.name}".replace(chr(10), " ")
+    print(time.process_time() - begun, ended, sep=chr(9), flush=True)
 """
 
 
@@ -85,8 +85,8 @@ class Diagnoser:
         """Processor time [s], and the fault, if any."""
         assert self.process.stdin is not None and self.process.stdout is not None
         print(data.resolve(), answer.resolve(), boat, sep="\t", file=self.process.stdin, flush=True)
-        seconds, told = self.process.stdout.readline().rstrip("\n").split("\t")
-        return float(seconds), "" if told == "done" else told
+        seconds, message = self.process.stdout.readline().rstrip("\n").split("\t")
+        return float(seconds), "" if message == "done" else message
 
 
 workers = threading.local()
@@ -107,9 +107,9 @@ def run_case(number: int, level: str, out: Path) -> dict[str, Any]:
     if not kept.exists():
         data, truth = written(number, level, out)
         boat = json.loads(truth.read_text()).get("boat", "swamp")
-        seconds, told = worker().diagnose(data, out / "answers" / name, boat)
+        seconds, message = worker().diagnose(data, out / "answers" / name, boat)
         kept.parent.mkdir(parents=True, exist_ok=True)
-        kept.write_text(json.dumps({"case": name, "error": told, "processor_s": seconds}))
+        kept.write_text(json.dumps({"case": name, "error": message, "processor_s": seconds}))
     return scored(out, name)
 
 
@@ -207,8 +207,8 @@ def diagnose_all(work: Sequence[tuple[int, str]], asked: argparse.Namespace) -> 
 
     with ThreadPoolExecutor(asked.workers) as pool:
         for result in filter(None, pool.map(one, work)):
-            said = (result["case"], result["kind"], result["truth"], result["verdict"], result["named"])
-            print(*said, "right" if result["right"] else "WRONG", flush=True)
+            line = (result["case"], result["kind"], result["truth"], result["verdict"], result["named"])
+            print(*line, "right" if result["right"] else "WRONG", flush=True)
 
 
 if __name__ == "__main__":

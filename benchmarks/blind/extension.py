@@ -68,22 +68,22 @@ def judged(what: str, number: int) -> dict[str, Any]:
     base = fit(problem, Hypothesis(), NONE, problem.initial_states(), 2)
     on = Witness(runs, weight, False)
     found = extend_by_force(runs, weight, base, leftover, on, np.random.default_rng(0))
-    told = {"what": what, "number": number, "size": size, "written": False}
+    message = {"what": what, "number": number, "size": size, "written": False}
     if found is None:
-        return told | {"seconds": time.process_time() - begun}
+        return message | {"seconds": time.process_time() - begun}
     assert case.outside is not None
     shares = prediction_shares(
         found.problem, found.less, found.fit, Witness(others, of_others, True), np.random.default_rng(0)
     )
     error = next(one for one in shares if (one.horizon_s, one.quantity) == (10.0, "position_rmse_m"))
-    variables = [f"{curve.covariate}_{curve.thruster or ''}".strip("_") for curve in found.told.curves]
+    variables = [f"{curve.covariate}_{curve.thruster or ''}".strip("_") for curve in found.result.curves]
     true = [
         variable in case.outside["variables"] or variable.split("_")[0] in case.outside["variables"]
         for variable in variables
     ]
-    return told | {
-        "written": found.told.written,
-        "curves": [curve.model_dump() for curve in found.told.curves],
+    return message | {
+        "written": found.result.written,
+        "curves": [curve.model_dump() for curve in found.result.curves],
         "right": any(true),
         "without": error.without,
         "with": error.with_cause,
@@ -138,10 +138,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 kept.write_text(json.dumps(judged(what, number), indent=1))
                 print(kept.read_text(), flush=True)
     results = [json.loads(path.read_text()) for path in sorted(asked.out.glob("*.json"))]
-    told = extension_table(results)
+    result = extension_table(results)
     if asked.into:
-        write_parts(asked.into, {"blind extension": told})
-    print(told)
+        write_parts(asked.into, {"blind extension": result})
+    print(result)
 
 
 if __name__ == "__main__":

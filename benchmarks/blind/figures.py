@@ -23,7 +23,7 @@ QUANTITIES = (
 )
 
 
-def said(result: Judged) -> str:
+def answer_of(result: Judged) -> str:
     """The answer in words: the names, `a set with it`, or the verdict."""
     if result["verdict"] == "cause":
         return str(result["named"])
@@ -55,7 +55,7 @@ def confusion_picture(results: Sequence[Judged], path: Path) -> None:
     outside = {r["truth"] for r in shown if r["kind"] == "outside"}
     rows = [*sorted({r["truth"] for r in shown} - outside - {"nothing"}), "nothing", *sorted(outside)]
     rows = [row for row in rows if any(r["truth"] == row for r in shown)]
-    words = ["several causes" if " + " in said(r) else said(r) for r in shown]
+    words = ["several causes" if " + " in answer_of(r) else answer_of(r) for r in shown]
     verdicts = ["nothing wrong", *SETS, "several causes", "unexplained", "failed"]
     columns = [row for row in rows if row not in outside | {"nothing"}]
     columns += sorted(set(words) - set(columns) - set(verdicts))

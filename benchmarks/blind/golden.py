@@ -98,22 +98,22 @@ def single(columns: Mapping[str, Array], faulty: str) -> dict[str, NDArray[Any]]
 
 def expected(golden: Golden) -> dict[str, Any]:
     """What the diagnosis of a case must say, from its truth alone."""
-    told: dict[str, Any] = {"family": golden.family, "boat": golden.boat, "verdict": golden.verdict}
+    meta: dict[str, Any] = {"family": golden.family, "boat": golden.boat, "verdict": golden.verdict}
     case = golden.case
     least = bounds(golden)
     if case.effects:
-        told["causes"] = [cause(effect, least) for effect in case.effects]
+        meta["causes"] = [cause(effect, least) for effect in case.effects]
     if case.by_run:
-        told["by_run"] = [
+        meta["by_run"] = [
             {effect["effect"]: {key: value for key, value in effect.items() if key not in NAMES}}
             for (effect,) in case.by_run
         ]
     if case.outside:
-        told["outside"] = case.outside
+        meta["outside"] = case.outside
     if golden.instruments is not None and golden.instruments.wander:
-        told["wander"] = golden.instruments.wander
-    told |= {key: getattr(golden, key) for key in ("refused", "reason") if getattr(golden, key)}
-    return told
+        meta["wander"] = golden.instruments.wander
+    meta |= {key: getattr(golden, key) for key in ("refused", "reason") if getattr(golden, key)}
+    return meta
 
 
 def cause(effect: Mapping[str, Any], least: Mapping[tuple[str, str], float]) -> dict[str, Any]:

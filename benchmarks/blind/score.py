@@ -87,10 +87,10 @@ def names_in(label: str) -> list[str]:
 def same_places(truth: Judged, causes: Sequence[Judged]) -> bool | None:
     """Whether every thruster is correct; None where the effects have none."""
     chosen = {e["effect"]: e["thruster"] for e in truth["effects"] if "thruster" in e}
-    said = {c["effect"]: c["thruster"] for c in causes if c["effect"] in chosen}
+    named = {c["effect"]: c["thruster"] for c in causes if c["effect"] in chosen}
     if not chosen:
         return None
-    return all(sorted(said[name]) == sorted(place) for name, place in chosen.items())
+    return all(sorted(named[name]) == sorted(place) for name, place in chosen.items())
 
 
 def names_variable(truth: Judged, found: Judged, first: int) -> bool:
@@ -125,8 +125,8 @@ def run_estimates(truth: Judged, causes: Sequence[Judged]) -> list[dict[str, Any
     named = {cause["effect"]: cause.get("groups", {}) for cause in causes}
     for number, run in enumerate(truth.get("by_run", ())):
         for effect in run:
-            told = named.get(effect["effect"], {}).get(f"run_{number}", {})
-            for name, one in told.items():
+            message = named.get(effect["effect"], {}).get(f"run_{number}", {})
+            for name, one in message.items():
                 away = one["value"] - effect[name]
                 if one["unit"] == "rad":
                     away = wrapped_below(away)
@@ -188,7 +188,7 @@ def summary(results: Sequence[Judged]) -> dict[str, Any]:
 
 
 def is_false_positive(result: Judged) -> bool:
-    """Whether a boat of which nothing is wrong was said to have a fault, at level R also a part of one."""
+    """Whether a boat without a fault was diagnosed with one, at level R also a part of one."""
     if result["level"] == ROUGH:
         return not result["right"]
     return result["verdict"] in ("cause", "indistinguishable") and not result["right"]

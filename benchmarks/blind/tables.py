@@ -13,9 +13,9 @@ from benchmarks.blind.figures import (
     CONFUSION,
     EVIDENCES,
     POWER,
+    answer_of,
     confusion_picture,
     power_picture,
-    said,
     shares,
 )
 from benchmarks.blind.rough import rough_table
@@ -39,8 +39,8 @@ OWN = {EACH_RUN: ("blind weather", weather_table), ROUGH: ("blind rough", rough_
 
 
 def parts(results: Sequence[Judged]) -> dict[str, str]:
-    """The tables of docs/criticism.md by their markers; levels E and R have their own; only what was run is
-    told.
+    """The tables of docs/criticism.md by their markers; levels E and R have their own; only levels that were
+    run have a column.
     """
     of = {level: [r for r in results if r["level"] == level] for level in OWN}
     own = {name: write(of[level]) for level, (name, write) in OWN.items() if of[level]}
@@ -108,7 +108,7 @@ def wrong_answers(results: Sequence[Judged]) -> str:
     wrong: dict[tuple[str, ...], list[float | None]] = {}
     for r in results:
         if not r["right"]:
-            key = r["level"], r["kind"], r["truth"], said(r), r["named"]
+            key = r["level"], r["kind"], r["truth"], answer_of(r), r["named"]
             wrong.setdefault(key, []).append(r.get("truth_over_answer"))
     rows = [
         [*key, str(len(apart)), ", ".join("-" if one is None else f"{one:.0f}" for one in apart)]

@@ -80,8 +80,8 @@ def test_at_level_e_each_run_has_a_weather_of_its_own_alone_or_beside_one_effect
     assert len({json.dumps(run) for run in case.by_run}) == 5
     (weather,) = {effect["effect"] for run in case.by_run for effect in run}
     field = {"wind": "wind_speed", "current": "current_north"}[weather]
-    told = [voyage.record for voyage in voyages(case, rng, 5, 1.0)]
-    assert len({float(record[field][0]) for record in told}) == 5
+    lines = [voyage.record for voyage in voyages(case, rng, 5, 1.0)]
+    assert len({float(record[field][0]) for record in lines}) == 5
     names = [*(effect["effect"] for effect in case.effects), weather]
     assert judged(vars(case), answer("cause", names))["right"]
     assert not judged(vars(case), answer("cause", names[1:]))["right"]
@@ -154,7 +154,7 @@ def test_the_judge_wants_every_name_and_no_more() -> None:
 def test_no_effect_is_hidden_that_no_recorded_channel_shows(tmp_path: Path) -> None:
     """Number 17027 draws a gyro's bias first, and instruments without a gyro."""
     data, truth = written(17027, "X", tmp_path)
-    told = json.loads(truth.read_text())
+    stored = json.loads(truth.read_text())
     header = (data / "run_0.csv").read_text().splitlines()[0].split(",")
-    hidden = [effect["effect"] for effect in told["effects"]]
+    hidden = [effect["effect"] for effect in stored["effects"]]
     assert "gyro_bias" not in hidden or "yaw_rate" in header

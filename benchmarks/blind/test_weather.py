@@ -46,12 +46,12 @@ def test_each_runs_wind_is_held_against_its_truth_in_standard_errors() -> None:
 
 
 def test_the_table_tells_rates_counts_and_bars() -> None:
-    told = weather_table([scored(), scored() | {"kind": "single", "alone": False, "processor_s": 70.0}])
-    assert "| cases | 2 |" in told
-    assert "| wind or current alone, identified | 0.000" in told and "0.97: missed" in told
-    assert "1.000 (0.21 to 1.00; 1) | 0.95: reached" in told
-    assert "0.750 (0.41 to 0.93; 8) | 0.93 to 0.97: missed" in told
-    assert "| processor s, longest | 70 | 60 s: missed |" in told
+    message = weather_table([scored(), scored() | {"kind": "single", "alone": False, "processor_s": 70.0}])
+    assert "| cases | 2 |" in message
+    assert "| wind or current alone, identified | 0.000" in message and "0.97: missed" in message
+    assert "1.000 (0.21 to 1.00; 1) | 0.95: reached" in message
+    assert "0.750 (0.41 to 0.93; 8) | 0.93 to 0.97: missed" in message
+    assert "| processor s, longest | 70 | 60 s: missed |" in message
 
 
 def test_level_e_has_a_table_of_its_own_and_leaves_the_others_as_they_are() -> None:

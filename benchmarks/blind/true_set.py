@@ -47,22 +47,24 @@ def criterion_of_truth(data: Path, truth: Judged, found: Judged) -> float | None
     true = [_part(instances, effect, effect) for effect in truth["effects"]]
     if truth["hull"]:
         true += [(one, np.ones(one.size)) for one in hull]
-    told = [
+    lines = [
         _part(instances, cause, {name: one["value"] for name, one in cause["parameters"].items()})
         for cause in causes
     ]
     continuation = continuation_of(run_set, known.weight)
-    return _criterion(continuation, true) - _criterion(continuation, told)
+    return _criterion(continuation, true) - _criterion(continuation, lines)
 
 
 def _position_noise(found: Judged) -> NDArray[np.float64] | None:
     """(6, 2) Gauss-Markov noise of the positions that an answer tells; None where they have none."""
-    told = {name: one for name, one in found.get("wandering", {}).items() if name in POSITIONS}
+    message = {name: one for name, one in found.get("wandering", {}).items() if name in POSITIONS}
     rows = [
-        (told[name]["standard_deviation"], told[name]["time_constant_s"]) if name in told else (0.0, 0.0)
+        (message[name]["standard_deviation"], message[name]["time_constant_s"])
+        if name in message
+        else (0.0, 0.0)
         for name in CHANNELS
     ]
-    return np.array(rows) if told else None
+    return np.array(rows) if message else None
 
 
 def _key(effect: str, thrusters: Sequence[str]) -> Key:

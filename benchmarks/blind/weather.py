@@ -42,8 +42,8 @@ def weather_table(results: Sequence[Judged]) -> str:
 def least(name: str, flags: Sequence[bool], bar: float) -> list[str]:
     """A row of a rate that has a least value."""
     found = share(flags)
-    said = "" if found is None else verdict(found["rate"] >= bar, f"{bar:g}")
-    return [name, rate(found), said]
+    verdict_text = "" if found is None else verdict(found["rate"] >= bar, f"{bar:g}")
+    return [name, rate(found), verdict_text]
 
 
 def within(found: Rate) -> str:

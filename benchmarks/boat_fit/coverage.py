@@ -207,9 +207,9 @@ def covered(number: int, seed: int) -> tuple[str, Array]:
     count = len(truth)
     errors = np.sqrt(np.diag(made.covariance))[:count]
     off = (made.fit.x[:count] - truth) / errors
-    told = f"{kind} {boat.length:.2f} m{' gusts' if gusty else ''} {time.process_time() - began:.0f} s"
+    message = f"{kind} {boat.length:.2f} m{' gusts' if gusty else ''} {time.process_time() - began:.0f} s"
     far = [f"{n.name} {z:+.1f}" for n, z in zip(plain.numbers, off, strict=True) if abs(z) > 3.0]
-    return f"{told}; {np.mean(np.abs(off) < Z95):.2f} of {count}; {', '.join(far)}", off
+    return f"{message}; {np.mean(np.abs(off) < Z95):.2f} of {count}; {', '.join(far)}", off
 
 
 def coverage_table(offs: dict[str, list[Array]]) -> str:

@@ -95,24 +95,24 @@ def days(number: int, seed: int) -> tuple[str, dict[str, list[list[float]]]]:
     kind, boat, plain, truth, runs = drawn_boat(2 * number, seed)  # every other one sails in gusts
     began = time.process_time()
     file = identified(boat, plain, runs)
-    told: dict[str, list[list[float]]] = {name: [] for name in FILES}
-    said = []
+    entries: dict[str, list[list[float]]] = {name: [] for name in FILES}
+    lines = []
     for hidden in (False, True):
         hypothesis = Weaker(plain.instances, plain.numbers) if hidden else plain
         day = sailed(hypothesis, boat, truth, False, np.random.default_rng([seed, number, 2]))
         for name, known in zip(FILES, (file.covariance, None), strict=True):
             of = replace(day, boat=file.model_copy(update={"covariance": known}))
             found = examine(of, None, np.random.default_rng(seed)).diagnosis
-            told[name].append(judged(found, hidden))
-            said.append(f"{found.verdict} ({', '.join(cause.label for cause in found.causes)})")
-    line = f"{kind} {boat.length:.2f} m, {time.process_time() - began:.0f} s: {'; '.join(said)}"
-    return line, told
+            entries[name].append(judged(found, hidden))
+            lines.append(f"{found.verdict} ({', '.join(cause.label for cause in found.causes)})")
+    line = f"{kind} {boat.length:.2f} m, {time.process_time() - began:.0f} s: {'; '.join(lines)}"
+    return line, entries
 
 
-def table_of(told: dict[str, list[list[list[float]]]]) -> str:
+def table_of(entries: dict[str, list[list[list[float]]]]) -> str:
     """Of each file, how often each of `judged` is so."""
     rows = []
-    for name, boats in told.items():
+    for name, boats in entries.items():
         columns = np.concatenate(boats).T
         asked = [column[np.isfinite(column)] for column in columns]
         rows.append([name, *(f"{int(column.sum())} of {len(column)}" for column in asked)])
@@ -122,14 +122,14 @@ def table_of(told: dict[str, list[list[list[float]]]]) -> str:
 
 def main(count: int, seed: int) -> None:
     """Print a line a boat, and write the table after each; two processes."""
-    told: dict[str, list[list[list[float]]]] = {name: [] for name in FILES}
+    entries: dict[str, list[list[list[float]]]] = {name: [] for name in FILES}
     with ProcessPoolExecutor(2) as pool:
         for number, (line, own) in enumerate(pool.map(days, range(count), [seed] * count)):
             print(f"{number}: {line}", flush=True)
             for name in FILES:
-                told[name].append(own[name])
-            write_parts(DOCS / "identify_boat.md", {"then-diagnose": table_of(told)})
-    print(table_of(told))
+                entries[name].append(own[name])
+            write_parts(DOCS / "identify_boat.md", {"then-diagnose": table_of(entries)})
+    print(table_of(entries))
 
 
 if __name__ == "__main__":

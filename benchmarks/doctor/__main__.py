@@ -46,7 +46,7 @@ def judged(count: int, draws: int, folder: Path) -> tuple[dict[str, Counter[str]
     """
     found: dict[str, Counter[str]] = defaultdict(Counter)
     false: Counter[str] = Counter()
-    told = []
+    lines = []
     for source, (boat, parts) in datasets(count, folder).items():
         for noise in NOISES:
             rng = np.random.default_rng(1)
@@ -56,12 +56,12 @@ def judged(count: int, draws: int, folder: Path) -> tuple[dict[str, Counter[str]
                     wrong = faults(runs, boat)
                     false[f"{noise} tried"] += 1
                     false[noise] += bool(wrong)
-                    told += [f"{source}, {noise}: {finding}" for finding in wrong]
+                    lines += [f"{source}, {noise}: {finding}" for finding in wrong]
                 for seed in SEEDS:
                     if seed.differs(clean[0]):
                         found[seed.name][f"{noise} tried"] += 1
                         found[seed.name][noise] += _is_found(seed, clean[0], boat, rng)
-    return found, false, told
+    return found, false, lines
 
 
 def _is_found(seed: Seed, clean: list[Run], boat: Boat, rng: np.random.Generator) -> bool:
@@ -91,8 +91,8 @@ def main() -> None:
     parser.add_argument("--screen", action="store_true", help="print, and write no document")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        found, false, told = judged(asked.datasets, asked.draws, Path(folder))
-    print("\n".join([table(found, false), *told]))
+        found, false, result = judged(asked.datasets, asked.draws, Path(folder))
+    print("\n".join([table(found, false), *result]))
     if not asked.screen:
         write_parts(DOCS / "import.md", {"doctor": f"\n{table(found, false)}\n"})
 

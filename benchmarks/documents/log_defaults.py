@@ -15,10 +15,10 @@ def defaults_table() -> str:
     rows = ["| log | of a run | message | mapping |", "|:--|:--|:--|:--|"]
     for kind, sources in SOURCES.items():
         for source in sources:
-            told = ", ".join(
+            output = ", ".join(
                 f"`{name}={text.replace('TABLE.', '')}`" for name, text in source.columns.items()
             )
-            rows.append(f"| {NAMES[kind]} | {source.gives} | `{source.message}` | {told} |")
+            rows.append(f"| {NAMES[kind]} | {source.gives} | `{source.message}` | {output} |")
     return "\n".join(rows)
 
 

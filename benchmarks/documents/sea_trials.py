@@ -70,19 +70,19 @@ def numbers(causes: Sequence[Cause]) -> str:
 def stage_text(number: int, stage: StageFound) -> str:
     """The groups of a stage, its result, and the alternatives that it does not distinguish."""
     rows = [[one.effect, f"{one.chi2:.1f}", f"{one.evidence:.1f}"] for one in stage.candidates[:SHOWN]]
-    said = [
+    lines = [
         f"### Stage {number}: {', '.join(stage.groups)}",
         f"**{' + '.join(stage.named) or 'nothing'}** is named: chi2 of {stage.figures} figures "
         f"{stage.chi2_before:.1f} before, {stage.chi2_after:.1f} with it.",
         table(["candidate", "chi2", "−2 log marginal likelihood above the first"], rows),
     ]
     if len(stage.without_particulars) > 1:
-        said.append(
+        lines.append(
             "Without the particulars, the figures do not distinguish: "
             f"{'; '.join(stage.without_particulars)}. The estimates of the first are then "
             f"{numbers(stage.alone)}."
         )
-    said += [
+    lines += [
         f"By these figures −2 log marginal likelihood of `{one.effect}` is {one.evidence:.1f} higher, too "
         f"little to distinguish it. Chi2 of the held-out circle is {one.of_the_first:.1f} with the first and "
         f"{one.held_out_chi2:.1f} with it: "
@@ -90,7 +90,7 @@ def stage_text(number: int, stage: StageFound) -> str:
         "The extension is the first's in either case."
         for one in stage.rivals
     ]
-    return "\n\n".join(said)
+    return "\n\n".join(lines)
 
 
 def gain_text(found: FiguresDiagnosis) -> str:
@@ -99,15 +99,15 @@ def gain_text(found: FiguresDiagnosis) -> str:
         [one.group, one.use, str(one.figures), f"{one.chi2_before:.1f}", f"{one.chi2_after:.1f}"]
         for one in found.gain
     ]
-    said = [table(["group", "use", "figures", f"chi2, {GIVEN}", "chi2, extended"], rows)]
-    said += [
+    lines = [table(["group", "use", "figures", f"chi2, {GIVEN}", "chi2, extended"], rows)]
+    lines += [
         f"With `{one.fitted}` fitted to in place of `{one.judged}`: "
         f"{' + '.join(one.named) or 'nothing'} is identified in addition to the thrust law "
         f"({numbers(one.causes)}). "
         f"Chi2 of `{one.judged}` goes from {one.chi2_before:.1f} to {one.chi2_after:.1f}."
         for one in found.exchange
     ]
-    return "\n\n".join(said)
+    return "\n\n".join(lines)
 
 
 def main() -> None:

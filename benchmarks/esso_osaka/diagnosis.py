@@ -19,7 +19,7 @@ from swamp_rl.runs import Run
 
 
 @dataclass(frozen=True)
-class Told:
+class Diagnosed:
     """Runs of one day, what was diagnosed from them, and the wind in it: speed [m/s] and where from [rad]
     with their standard errors; none where no wind was named.
     """
@@ -31,14 +31,14 @@ class Told:
 
 
 @one_thread()
-def diagnosed(boat: Boat, runs: Sequence[Run]) -> Told:
-    """The diagnosis of runs taken together, without what the anemometer said."""
+def diagnosed(boat: Boat, runs: Sequence[Run]) -> Diagnosed:
+    """The diagnosis of runs taken together, without the anemometer."""
     without_wind = run_set_of(list(runs), boat, "pond", ignore=["wind"])
     found = examine(without_wind, None, np.random.default_rng(0)).diagnosis
     winds = [cause for cause in named_causes(found) if cause.effect == "wind"]
     if not winds:
-        return Told(runs, found, None, None)
-    return Told(runs, found, winds[0].parameters["speed"], winds[0].parameters["from"])
+        return Diagnosed(runs, found, None, None)
+    return Diagnosed(runs, found, winds[0].parameters["speed"], winds[0].parameters["from"])
 
 
 def named_causes(found: Diagnosis) -> list[Cause]:
@@ -73,25 +73,25 @@ def _labels(found: Diagnosis) -> list[str]:
     return [cause.effect for cause in found.causes]
 
 
-def diagnosis_table(every: dict[str, Told]) -> str:
+def diagnosis_table(every: dict[str, Diagnosed]) -> str:
     """Verdict, names and wind of each dataset, beside the anemometer."""
     rows = []
-    for name, told in every.items():
-        speed, angle = measured_wind(told.runs)
+    for name, day in every.items():
+        speed, angle = measured_wind(day.runs)
         cells = ["none", "none", "", ""]
-        if told.speed is not None and told.angle is not None:
-            off = apart(told.angle.value, angle)
+        if day.speed is not None and day.angle is not None:
+            off = apart(day.angle.value, angle)
             cells = [
-                f"{told.speed.value:.2f} ± {Z95 * told.speed.standard_error:.2f}",
-                f"{math.degrees(told.angle.value):.0f} ± {math.degrees(Z95 * told.angle.standard_error):.0f}",
+                f"{day.speed.value:.2f} ± {Z95 * day.speed.standard_error:.2f}",
+                f"{math.degrees(day.angle.value):.0f} ± {math.degrees(Z95 * day.angle.standard_error):.0f}",
                 f"{off:+.0f}",
-                f"{told.speed.value / speed:.2f}",
+                f"{day.speed.value / speed:.2f}",
             ]
         rows.append(
             [
-                f"{name}, {len(told.runs)} run{'s' * (len(told.runs) > 1)}",
-                told.diagnosis.verdict,
-                "; ".join(readable(one) for one in sets_of(told.diagnosis)),
+                f"{name}, {len(day.runs)} run{'s' * (len(day.runs) > 1)}",
+                day.diagnosis.verdict,
+                "; ".join(readable(one) for one in sets_of(day.diagnosis)),
                 f"{speed:.2f} from {math.degrees(angle):.0f}",
                 *cells,
             ]

@@ -15,7 +15,7 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.circles import circle_table, steady_table
 from benchmarks.esso_osaka.diagnosis import days, diagnosed, diagnosis_table
-from benchmarks.esso_osaka.sway import circles_table, sway_table, told_scales
+from benchmarks.esso_osaka.sway import circles_table, diagnosed_scales, sway_table
 from benchmarks.esso_osaka.wind import (
     HORIZON,
     INDEPENDENT,
@@ -99,7 +99,7 @@ def parts(boat: Boat, random: Sequence[Run], turning: Sequence[Run]) -> dict[str
     """The tables of docs/esso_osaka.md by their marks, but that of the runs refused."""
     every: list[Named] = [named(boat, run) for run in random]
     calm, measured = (rms(window_errors(boat, random, HORIZON, wind)) for wind in (False, True))
-    told = {day: diagnosed(boat, runs) for day, runs in days(random).items()}
+    entries = {day: diagnosed(boat, runs) for day, runs in days(random).items()}
     return {
         "windows": window_table(boat, random),
         "hulls": variant_table(boat, random),
@@ -107,11 +107,11 @@ def parts(boat: Boat, random: Sequence[Run], turning: Sequence[Run]) -> dict[str
         "candidates": ranking_table(every),
         "currents": drift_table(every),
         "predictions": error_table(boat, every, {"calm": calm, "measured": measured}),
-        "diagnosis": diagnosis_table(told),
+        "diagnosis": diagnosis_table(entries),
         "circles": circle_table(boat, turning),
         "steady turns": steady_table(boat, with_hull(boat, c_ry=1.0), turning),
         "sway drag": sway_table(every),
-        "circles with sway drag": circles_table(boat, told_scales(told, every), turning),
+        "circles with sway drag": circles_table(boat, diagnosed_scales(entries, every), turning),
     }
 
 

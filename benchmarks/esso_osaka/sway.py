@@ -8,7 +8,7 @@ from scipy import stats
 from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.esso_osaka.circles import after_a_minute, measured_turn, predicted_turn
-from benchmarks.esso_osaka.diagnosis import Told
+from benchmarks.esso_osaka.diagnosis import Diagnosed
 from benchmarks.esso_osaka.turning import turn_of
 from benchmarks.esso_osaka.wind import Named, misfit, with_effects
 from swamp_rl.boat import Boat
@@ -38,12 +38,12 @@ def mean_interval(values: Array) -> tuple[float, float, float]:
     return mean, mean - reach, mean + reach
 
 
-def told_scales(told: Mapping[str, Told], every: Sequence[Named]) -> dict[str, float]:
+def diagnosed_scales(result: Mapping[str, Diagnosed], every: Sequence[Named]) -> dict[str, float]:
     """Scales of the sway drag by where they are from: each diagnosis that names a wind beside it, and the
     mean over the runs.
     """
     found = {}
-    for day, one in told.items():
+    for day, one in result.items():
         sway = [cause for cause in one.diagnosis.causes if cause.effect == "sway_drag"]
         if sway and one.speed is not None:
             scale = sway[0].parameters["scale"].value

@@ -118,17 +118,17 @@ def halves(random: Sequence[Run], turning: Sequence[Run]) -> Halves:
     ]
 
 
-def judged(boat: Boat, told: Sequence[Boat], both: Halves, zigzags: Sequence[Run]) -> list[str]:
-    """Cells of a term's row: held-out windows of each kind, and the circles' figures; told: the boat as
+def judged(boat: Boat, boats: Sequence[Boat], both: Halves, zigzags: Sequence[Run]) -> list[str]:
+    """Cells of a term's row: held-out windows of each kind, and the circles' figures; boats: the boat as
     fitted to each half.
     """
     others = list(reversed(both))
-    kinds = [[runs for runs, _ in others], [runs for _, runs in others], [list(zigzags)] * len(told)]
+    kinds = [[runs for runs, _ in others], [runs for _, runs in others], [list(zigzags)] * len(boats)]
     cells = []
     for kind in kinds:
         runs = [run for part in kind for run in part]
         before = windows(boat, runs)
-        after = [made for one, part in zip(told, kind, strict=True) for made in windows(one, part)]
+        after = [made for one, part in zip(boats, kind, strict=True) for made in windows(one, part)]
         names = [run.name for made, run in zip(after, runs, strict=True) for _ in made]
         block = np.unique(names, return_inverse=True)[1]
         joined = [np.concatenate(each)[:, None] for each in (before, after)]
@@ -136,7 +136,7 @@ def judged(boat: Boat, told: Sequence[Boat], both: Halves, zigzags: Sequence[Run
         assert paired is not None  # several runs of each kind
         low, high = paired.ci95
         cells.append(f"{paired.after:.3f} ({-high:+.3f} to {-low:+.3f})")
-    off = np.concatenate([circles(one, part) for one, (_, part) in zip(told, others, strict=True)], axis=1)
+    off = np.concatenate([circles(one, part) for one, (_, part) in zip(boats, others, strict=True)], axis=1)
     return [*cells, *(f"{100 * value:.0f} %" for value in np.median(np.abs(off), axis=1))]
 
 

@@ -1,4 +1,4 @@
-"""The terms that are compared on the pond, and the table of what a diagnosis said."""
+"""The terms that are compared on the pond, and the table of diagnoses."""
 
 import math
 

@@ -61,7 +61,7 @@ def test_gusts_are_averaged_as_vectors_for_the_direction_and_as_speeds_for_the_s
     assert apart(math.radians(-179.0), math.radians(179.0)) == pytest.approx(2.0)
 
 
-def test_the_sway_drag_is_told_beside_the_wind() -> None:
+def test_the_sway_drag_is_reported_beside_the_wind() -> None:
     found = named(BOAT, sailed({"effect": "sway_drag", "scale": 0.6}))
     assert sway_scales([found]) == pytest.approx([0.6], abs=0.05)
     assert apart(wind_of(found.fits["sway_drag", "wind"])[1], FROM) == pytest.approx(0.0, abs=3.0)
@@ -80,8 +80,8 @@ def turned(boat: Boat, seconds: float = 420.0) -> Run:
 
 def test_circles_of_a_boat_with_half_the_sway_drag_are_predicted_with_half_and_not_without() -> None:
     circle = turned(changed({"effect": "sway_drag", "scale": 0.5}))
-    told, plain = errors(with_sway_drag(BOAT, 0.5), [circle]), errors(BOAT, [circle])
-    assert all(np.abs(off).max() < 0.5 for off in told.values()), told
+    result, plain = errors(with_sway_drag(BOAT, 0.5), [circle]), errors(BOAT, [circle])
+    assert all(np.abs(off).max() < 0.5 for off in result.values()), result
     assert plain["tactical diameter"][0] > 10.0 and plain["drift angle"][0] < -10.0
     shown = circles_table(BOAT, {"half": 0.5}, [circle])
     assert f"| {plain['speed'][0]:.0f} % ({plain['speed'][0]:+.0f} %) | 0 % (" in shown

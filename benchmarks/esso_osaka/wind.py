@@ -50,7 +50,7 @@ class Named:
 
 
 def hidden(run: Run) -> Run:
-    """The run without what the anemometer said."""
+    """The run without the anemometer."""
     return Run(run.name, {name: values for name, values in run.columns.items() if name not in WIND}, run.meta)
 
 
@@ -110,14 +110,14 @@ def wind_table(every: Sequence[Named]) -> str:
     rows, angles, ratios = [], [], []
     for one in every:
         speed, angle = anemometer(one.run)
-        told, told_from = wind_of(one.fits["wind",])
-        angles.append(apart(told_from, angle))
-        ratios.append(told / speed)
+        message, wind_from = wind_of(one.fits["wind",])
+        angles.append(apart(wind_from, angle))
+        ratios.append(message / speed)
         rows.append(
             [
                 one.run.name,
                 f"{speed:.2f} from {math.degrees(angle):.0f}",
-                f"{told:.2f} from {math.degrees(told_from):.0f}",
+                f"{message:.2f} from {math.degrees(wind_from):.0f}",
                 f"{angles[-1]:+.0f}",
                 f"{ratios[-1]:.2f}",
             ]
@@ -152,13 +152,13 @@ def drift_table(every: Sequence[Named]) -> str:
     rows = []
     for one in every:
         found = one.fits["current", "wind"]
-        told, told_from = wind_of(found)
+        result, wind_from = wind_of(found)
         speed, angle = anemometer(one.run)
         current, towards = float(np.hypot(*found.x[:2])), float(np.arctan2(found.x[1], found.x[0]))
         rows.append(
             [
                 one.run.name,
-                f"{told:.2f}, {apart(told_from, angle):+.0f}",
+                f"{result:.2f}, {apart(wind_from, angle):+.0f}",
                 f"{100 * current:.1f}",
                 f"{apart(towards, angle + math.pi):+.0f}",
                 f"{100 * current / speed:.1f}",
@@ -174,17 +174,17 @@ def with_effects(boat: Boat, entries: Sequence[EffectEntry]) -> Boat:
 
 
 def horizon_errors(boat: Boat, one: Named, names: tuple[str, ...]) -> Array:
-    """(n,) position errors [m] at the horizon, in each half of the minutes with what the other half told."""
+    """(n,) position errors [m] at the horizon, in each half of the minutes with the fit of the other half."""
     count = one.problem.windows.count
     steps = round(HORIZON / one.problem.dt)
     errors = []
     for odd in (0, 1):
         others, whole = np.arange(count) % 2 != odd, one.fits[names]
-        told = fitted(boat, one.problem.part(others), names, whole.x, whole.states[others])
+        result = fitted(boat, one.problem.part(others), names, whole.x, whole.states[others])
         first = (one.problem.windows.first + one.problem.windows.pad)[np.arange(count) % 2 == odd]
         starts = np.concatenate([first, first + steps])
         starts = starts[starts + steps < len(one.run.time)]
-        extended = with_effects(boat, told.hypothesis.entries(told.x))
+        extended = with_effects(boat, result.hypothesis.entries(result.x))
         errors.append(errors_at_end(extended, one.run, HORIZON, False, starts))
     return np.concatenate(errors)
 
@@ -195,8 +195,8 @@ def error_table(boat: Boat, every: Sequence[Named], rms: dict[str, float]) -> st
     for names in CANDIDATES[1:]:
         errors = np.concatenate([horizon_errors(boat, one, names) for one in every])
         theirs = f"{INDEPENDENT['wind']:.2f}" if names == ("wind",) else ""
-        told = f"{' and '.join(names)}, from the motion of the other minutes".replace("_", " ")
-        rows.append([told, f"{np.sqrt(np.mean(errors**2)):.2f}", theirs])
+        message = f"{' and '.join(names)}, from the motion of the other minutes".replace("_", " ")
+        rows.append([message, f"{np.sqrt(np.mean(errors**2)):.2f}", theirs])
     theirs = f"{INDEPENDENT['measured wind']:.2f}"
     rows.append(["the measured wind, sample by sample", f"{rms['measured']:.2f}", theirs])
     return table(["added to the boat file", "error at 30 s, m", "an independent program, m"], rows)

@@ -31,9 +31,9 @@ def path_table(folder: Path) -> str:
     for name in PATHS:
         for sea, effects in SEAS.items():
             follow_path(folder / "path", name, "swamp", None, effects, 0)
-            told = json.loads((folder / "path/analysis/result.json").read_text())
-            errors = [f"{value:.2f}" for value in told["cross_track_error"].values()]
-            rows.append([name, sea, *errors, f"{told['mean_speed']:.2f}", f"{told['electric_energy']:.0f}"])
+            data = json.loads((folder / "path/analysis/result.json").read_text())
+            errors = [f"{value:.2f}" for value in data["cross_track_error"].values()]
+            rows.append([name, sea, *errors, f"{data['mean_speed']:.2f}", f"{data['electric_energy']:.0f}"])
             if (name, sea) == ("eight", "current 0.2 m/s"):
                 shutil.copy(folder / "path/analysis/track.png", DOCS / "eight_path.png")
     head = ["path", "sea", "mean, m", "rms, m", "95 %, m", "max, m", "mean speed, m/s", "energy, J"]
@@ -46,8 +46,8 @@ def station_table(folder: Path) -> str:
     for boat in BOATS:
         for sea in ("current 0.2 m/s", "wind 6 m/s"):
             hold_station(folder / "station", boat, 240.0, None, [], None, SEAS[sea], 0)
-            told = json.loads((folder / "station/analysis/result.json").read_text())
-            rows.append([boat, sea, told["keeper"], *(f"{e:.2f}" for e in told["distance"].values())])
+            data = json.loads((folder / "station/analysis/result.json").read_text())
+            rows.append([boat, sea, data["keeper"], *(f"{e:.2f}" for e in data["distance"].values())])
     return table(["boat", "sea", "controller", "mean, m", "rms, m", "95 %, m", "max, m"], rows)
 
 
@@ -56,9 +56,9 @@ def capability_table(folder: Path) -> str:
     rows = []
     for boat, failed in (("swamp", []), ("swamp", ["bs"]), ("esso_osaka", [])):
         write_capability(folder / "capability", boat, 0.0, 0.0, failed)
-        told = json.loads((folder / "capability/capability.json").read_text())
-        at = [told["direction"].index(direction) for direction in (0.0, 40.0, 90.0)]
-        cells = [f"{told[what][i]:.2f}" for what in ("current", "wind") for i in at]
+        data = json.loads((folder / "capability/capability.json").read_text())
+        at = [data["direction"].index(direction) for direction in (0.0, 40.0, 90.0)]
+        cells = [f"{data[what][i]:.2f}" for what in ("current", "wind") for i in at]
         rows.append([boat + (f" without {failed[0]}" if failed else ""), *cells])
         if boat == "swamp" and not failed:
             shutil.copy(folder / "capability/capability.png", DOCS / "capability.png")

@@ -151,7 +151,7 @@ def rows_of(sea: Sea) -> tuple[list[list[str]], list[list[str]], Score, Score]:
 
 
 def margin_in_gusts(gusty: Boat, jets: Jets, chosen: Holding) -> Holding:
-    """What is said of the chosen heading once the gusts are known."""
+    """Result for the chosen heading once the gusts are known."""
     if int(jets.works.sum()) == 1:
         return best_holding(gusty, jets)
     return holding_at(gusty, jets, chosen.heading)

@@ -74,9 +74,9 @@ def _pace(name: str, spread: Spread) -> list[str]:
     reached = [step for step in skilled if step is not None]
     until = f"{np.median(reached):,.0f} ({len(reached)} of {len(curves)} seeds)" if reached else "not reached"
     seconds = [curve[-1]["seconds"] for curve in curves if "seconds" in curve[-1]]
-    told = f"{np.median(seconds):.0f}" if seconds else "not logged"
+    message = f"{np.median(seconds):.0f}" if seconds else "not logged"
     ends = [_at(curves, share) for share in (0.25, 0.5, 1.0)]
-    return [name, f"{curves[0][-1]['step']:,}", until, told, ", ".join(ends)]
+    return [name, f"{curves[0][-1]['step']:,}", until, message, ", ".join(ends)]
 
 
 def _at(curves: list[list[dict[str, float]]], share: float) -> str:

@@ -37,8 +37,8 @@ def cards(spreads: dict[str, dict[str, Any]]) -> str:
         levels = [
             spread([seed["levels"][level]["success"] for seed in seeds]) for level in seeds[0]["levels"]
         ]
-        told = learner(plans[name].kind).told(plans[name])
-        rows.append([name, told, f"{np.median(seconds):.0f} s", str(len(seeds)), *levels])
+        result = learner(plans[name].kind).description(plans[name])
+        rows.append([name, result, f"{np.median(seconds):.0f} s", str(len(seeds)), *levels])
     return table(["pilot", "learned from", "processor time", "seeds", *seeds[0]["levels"]], rows)
 
 
@@ -47,15 +47,15 @@ def curves(spreads: dict[str, dict[str, Any]]) -> str:
     at the first point, a quarter, half and the end of its training."""
     rows = []
     for name, by_seed in spreads.items():
-        told = [seed["curve"] for seed in by_seed.values() if seed["curve"]]
-        logged = [set(point) for curve in told for point in curve]
+        message = [seed["curve"] for seed in by_seed.values() if seed["curve"]]
+        logged = [set(point) for curve in message for point in curve]
         quantity = next((one for one in ("success", "loss") if all(one in keys for keys in logged)), None)
         if quantity is None or not logged:
             continue
-        ends = {f"{curve[-1]['step']:,}" for curve in told}
-        at = [[_told_at(curve, quantity, share) for curve in told] for share in SHARES]
+        ends = {f"{curve[-1]['step']:,}" for curve in message}
+        at = [[_value_at(curve, quantity, share) for curve in message] for share in SHARES]
         cells = [f"{np.mean(values):.3g} ({min(values):.3g} to {max(values):.3g})" for values in at]
-        rows.append([name, quantity, " or ".join(sorted(ends)), str(len(told)), *cells])
+        rows.append([name, quantity, " or ".join(sorted(ends)), str(len(message)), *cells])
     heads = [
         "pilot",
         "quantity",
@@ -69,7 +69,7 @@ def curves(spreads: dict[str, dict[str, Any]]) -> str:
     return table(heads, rows)
 
 
-def _told_at(curve: list[dict[str, float]], quantity: str, share: float) -> float:
+def _value_at(curve: list[dict[str, float]], quantity: str, share: float) -> float:
     """At a share of the way from the first point to the last, between points in a straight line."""
     steps = [point["step"] for point in curve]
     at = steps[0] + share * (steps[-1] - steps[0])

@@ -18,7 +18,7 @@ def test_learning_curves_of_ten_seeds_are_drawn_and_the_same_each_time(tmp_path:
     assert first == second and first.startswith(b"\x89PNG")
 
 
-def test_seeds_without_common_steps_are_told_by_name(tmp_path: Path) -> None:
+def test_seeds_without_common_steps_are_reported_by_name(tmp_path: Path) -> None:
     early, late = (np.array([0.0, 1.0]), np.zeros(2)), (np.array([5.0, 6.0]), np.zeros(2))
     with pytest.raises(UserError, match=r"ppo: .*in common"):
         learning_curves(tmp_path / "x.png", {"ppo": [early, late]}, "")

@@ -6,7 +6,7 @@ and the modules of its jets. The thesis says that the other hull takes over and 
 * A computer commands the jets of its own hull, and all jets while it hears nothing of the other.
 * The starboard computer is the master: it allocates the console's wish to all jets that work, and tells the
   other its commands. The other allocates for itself while it hears nothing of the master.
-* What one hears the other is told: wishes of the console, fixes, and which modules are silent.
+* What one hears it sends to the other: wishes of the console, fixes, and which modules are silent.
 """
 
 import math
@@ -62,7 +62,7 @@ class Computer:
         count = len(self.jets.names)
         self.module_heard = [0.0] * count
         self._azimuths = [0.0] * count
-        self._told: Heartbeat | None = None
+        self._beat: Heartbeat | None = None
         self._taken_over = math.inf
         self._key: tuple[frozenset[int], tuple[float, ...]] | None = None
         self._commands = np.zeros(2 * count)
@@ -78,7 +78,7 @@ class Computer:
 
     def hear_other(self, beat: Heartbeat, now: float) -> None:
         """Take a heartbeat."""
-        self.heard, self._told = now, beat
+        self.heard, self._beat = now, beat
         self.hear_wish(beat.wish, beat.wished)
         for k in set(range(len(self._azimuths))) - self.own:
             self._azimuths[k] = beat.azimuths[k]
@@ -95,8 +95,8 @@ class Computer:
         """The hull whose GPS it uses: its own, else the other's, None where neither has a fix."""
         if now - self.fixed <= LOST:
             return self.number
-        if not self.alone(now) and self._told is not None and now - self._told.fixed <= LOST:
-            return self._told.sender
+        if not self.alone(now) and self._beat is not None and now - self._beat.fixed <= LOST:
+            return self._beat.sender
         return None
 
     def commanded(self, now: float) -> frozenset[int]:
@@ -109,15 +109,15 @@ class Computer:
         self._taken_over = min(self._taken_over, now) if self.alone(now) else math.inf
         mine = {k for k in self.own if now - self.module_heard[k] > LOST}
         if not self.alone(now):
-            return frozenset(mine | (self._told.silent if self._told is not None else frozenset()))
+            return frozenset(mine | (self._beat.silent if self._beat is not None else frozenset()))
         theirs = set(range(len(self.jets.names))) - self.own
         unheard = {k for k in theirs if now - self.module_heard[k] > LOST}
         return frozenset(mine | (unheard if now - self._taken_over > ANSWER else set()))
 
     def commands(self, now: float) -> Array:
         """(2K,) azimuths [rad] and throttles [1] for the jets that it commands; the others' do not count."""
-        if not self.allocates(now) and self._told is not None and self._told.commands is not None:
-            return np.array(self._told.commands)
+        if not self.allocates(now) and self._beat is not None and self._beat.commands is not None:
+            return np.array(self._beat.commands)
         silent = self.silent(now)
         wish = self.wish if now - self.wished <= WISH_LASTS else (0.0, 0.0, 0.0)
         if (silent, wish) != self._key:

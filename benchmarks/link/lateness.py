@@ -3,7 +3,7 @@
     python -m benchmarks.link.lateness [SECONDS OF EACH ROW, 10 by default]
 
 A virtual vehicle runs in a process of its own. Real-time scheduling needs root. The bar, 2 ms at the
-99th percentile, is for an idle machine; the load is told. Six rows: a minute by default.
+99th percentile, is for an idle machine; the load is reported. Six rows: a minute by default.
 """
 
 import math

@@ -165,7 +165,7 @@ class Pair:
                 self.commanders[k] = sender
 
     def _deliver(self, packet: Packet) -> None:
-        """Telemetry: of sensors to the computer that they are in, of a module to whom it was told."""
+        """Telemetry: of sensors to the computer that they are in, of a module to its recipients."""
         words = words_of(packet.payload)
         ends = self.vehicle.addresses
         if packet.source in ends.sensors:

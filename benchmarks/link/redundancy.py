@@ -77,8 +77,8 @@ def main() -> None:
     draw(DOCS / "link_forces.png")
     head = ["fault", "thesis 6.5", "computer", "GPS", "commanded, s", "reached, s", "surge", "sway", "yaw"]
     surge, sway, yaw = intact_forces()
-    told = f"Shares of the intact boat's {surge:.1f} N, {sway:.1f} N and {yaw:.1f} N m."
-    write_parts(DOCS / "link.md", {"redundancy": f"{table(head, rows())}\n\n{told}"})
+    message = f"Shares of the intact boat's {surge:.1f} N, {sway:.1f} N and {yaw:.1f} N m."
+    write_parts(DOCS / "link.md", {"redundancy": f"{table(head, rows())}\n\n{message}"})
 
 
 if __name__ == "__main__":

@@ -124,9 +124,9 @@ def outcome(number: int, folder: Path) -> Outcome:
         return Outcome(number, kind.name, effect, [], [], [], True, math.nan, math.nan, math.nan)
     assert found.next_trial
     rivals = _sets(found.diagnosis)
-    told = found.next_trial.told
-    zig_zag = next(one for one in told.of_list if one.manoeuvre == ZIG_ZAG)
-    ratio = (told.evidence / told.duration_s) / max(zig_zag.evidence / zig_zag.duration_s, 1e-9)
+    result = found.next_trial.result
+    zig_zag = next(one for one in result.of_list if one.manoeuvre == ZIG_ZAG)
+    ratio = (result.evidence / result.duration_s) / max(zig_zag.evidence / zig_zag.duration_s, 1e-9)
     voyage = _sailed(case, found.next_trial)
     here = voyage.track[:, :2]
     kept = bool((here >= 0.0).all() and (here <= [limits.north, limits.east]).all())
@@ -138,8 +138,8 @@ def outcome(number: int, folder: Path) -> Outcome:
         )
         after = _sets(both.diagnosis)
         named = [one.effect for one in both.diagnosis.causes]
-    separation = told.separates[0].separation if told.separates else math.nan
-    times_best = told.evidence / max(told.of_list[0].evidence, 1e-9)
+    separation = result.separates[0].separation if result.separates else math.nan
+    times_best = result.evidence / max(result.of_list[0].evidence, 1e-9)
     return Outcome(number, kind.name, effect, rivals, after, named, kept, ratio, separation, times_best)
 
 
@@ -157,7 +157,7 @@ def _voyage(case: Case, kind: Poor, rng: Rng) -> Voyage:
 def _sailed(case: Case, trial: Designed) -> Voyage:
     """The designed trial as the true boat sails it."""
     rows = trial.commands
-    start = np.array([*trial.told.start_m, 0.0])
+    start = np.array([*trial.result.start_m, 0.0])
     return sail(
         BOAT, case, lambda time, state: rows[min(round(time / DT), len(rows) - 1)], start, len(rows) - 1
     )

@@ -164,7 +164,7 @@ def hundred(folder: Path) -> dict[str, Any]:
     return taken
 
 
-def told(measured: dict[str, Any]) -> list[list[str]]:
+def cells(measured: dict[str, Any]) -> list[list[str]]:
     """A row of the table for each number, of a list its first and last."""
     rows = []
     for name, value in measured.items():
@@ -185,7 +185,7 @@ def main(out: Path, parts: list[str]) -> None:
             else:
                 measured = {"hours": hours, "hundred": hundred}[part](folder)
         measured["load average"], measured["cores"] = load, os.cpu_count()
-        made = table(["measured", ""], told(measured))
+        made = table(["measured", ""], cells(measured))
         print(made)
         write_parts(out, {part: made})
 

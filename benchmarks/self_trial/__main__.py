@@ -96,9 +96,9 @@ def calibration(results: Sequence[Mapping[str, Any]]) -> str:
         mine = [one for one in causes if low <= stated(one) < high or (top and stated(one) == high)]
         rows.append(row_of("a cause", f"{low:g} to {high:g}", mine))
     rows.append(row_of("a cause", "all", causes))
-    for kind, said in (("clean", "nothing, of nothing wrong"), ("", "nothing, of a hidden effect")):
+    for kind, label in (("clean", "nothing, of nothing wrong"), ("", "nothing, of a hidden effect")):
         mine = [one for one in tried if one["answer"] == NOTHING and (one["kind"] == "clean") == bool(kind)]
-        rows.append(row_of(said, "all", mine))
+        rows.append(row_of(label, "all", mine))
     return table(list(HEADS), [row for row in rows if row[2] != "0"])
 
 

@@ -59,11 +59,11 @@ class Check:
     @property
     def cells(self) -> list[str]:
         """For the table."""
-        told = [f"{100 * self.share:g} %"] if self.share else []
-        told += [f"{self.width:g}"] if self.width else []
+        message = [f"{100 * self.share:g} %"] if self.share else []
+        message += [f"{self.width:g}"] if self.width else []
         ours = f"{self.ours:.4g}" if abs(self.ours) >= 1000.0 else f"{self.ours:.3g}"
         verdict = "met" if self.met else "**missed**"
-        return [self.what, self.source, self.printed, ours, " or ".join(told), verdict]
+        return [self.what, self.source, self.printed, ours, " or ".join(message), verdict]
 
 
 def check(

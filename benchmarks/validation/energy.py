@@ -139,11 +139,11 @@ def mission_rows(name: str) -> list[Row]:
         )
         number = f"{when}: state of charge"
         for reading, charges in readings.items():
-            told, at_end = f"{number}, {reading}", f"{charge:.2f}"
+            message, at_end = f"{number}, {reading}", f"{charge:.2f}"
             misprint = name == "table_6_3_3" and leg == len(figures) - 1
             found.append(
                 _row(
-                    told,
+                    message,
                     where,
                     at_end,
                     charge,
@@ -168,8 +168,8 @@ def _row(
     reason: str = "",
     contradicted: bool = False,
 ) -> Row:
-    told = {"width": width, "reading_of": reading_of, "reason": reason, "contradicted": contradicted}
-    return Row(what, source, printed, value, ours, math.nan, FULL, **told)  # type: ignore[arg-type]
+    message = {"width": width, "reading_of": reading_of, "reason": reason, "contradicted": contradicted}
+    return Row(what, source, printed, value, ours, math.nan, FULL, **message)  # type: ignore[arg-type]
 
 
 def jet_power(boat: Boat, thrust: float) -> float:

@@ -132,8 +132,8 @@ def metacentres(hull: HullDesign, full: Stability, light: Stability) -> list[Che
         for spacing, value in ((hull.spacing, up.metacentre_transverse), (wide.spacing, wider)):
             height = value - one.centre_of_gravity
             for what, printed, ours in (("KM_T", km_t, value), ("GM_T", gm_t, height)):
-                told, reading_of = f"{name}: {what} at S = {spacing:.2f} m, m", f"{what}, {name}"
-                found.append(check(told, where, printed, ours, SHARE, HALF_UNIT, reason, reading_of))
+                message, reading_of = f"{name}: {what} at S = {spacing:.2f} m, m", f"{what}, {name}"
+                found.append(check(message, where, printed, ours, SHARE, HALF_UNIT, reason, reading_of))
     return found
 
 
@@ -152,8 +152,8 @@ def levers(hull: HullDesign) -> list[Check]:
             )
             number = f"{name}: {what}"
             for one, figure in zip(both, ours, strict=True):
-                told = f"{number}, S = {one.spacing:.2f} m"
+                message = f"{number}, S = {one.spacing:.2f} m"
                 found.append(
-                    check(told, where, value, figure, SHARE, width, reason, number, contradicted=True)
+                    check(message, where, value, figure, SHARE, width, reason, number, contradicted=True)
                 )
     return found

@@ -31,7 +31,7 @@ def angle_reached(steps: int) -> float:
 
 
 def turning(steps: int, conduct: Conduct) -> Vehicle:
-    """A virtual vehicle whose first jet has been told to turn."""
+    """A virtual vehicle whose first jet has been commanded to turn."""
     boat = load_boat(FULL)
     vehicle = Vehicle(boat, addresses(LOOPBACK, len(boat.thrusters)), conduct=conduct)
     for command in (

@@ -49,7 +49,7 @@ def matching_checks() -> list[Check]:
 def rise_checks() -> list[Check]:
     """004's step tests: the time in which a drive that accelerates as printed makes the printed step.
 
-    By the law that limits the rate of a throttle; the rise is told to one sample of the drive's log.
+    By the law that limits the rate of a throttle; the rise is resolved to one sample of the drive's log.
     """
     found = []
     for test, (first, last, sample, rise, acceleration) in enumerate(STEPS, 1):

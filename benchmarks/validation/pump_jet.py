@@ -37,7 +37,7 @@ def table_checks(jet: PumpJet) -> list[Check]:
 
 
 def geometry_checks(jet: PumpJet) -> list[Check]:
-    """Diameters and areas told in the text."""
+    """Diameters and areas given in the text."""
     shape, nozzle = jet.geometry, jet.design.nozzle_area
     intake = math.pi / 4.0 * shape.inlet[0] ** 2
     at_1200 = jet.specific_speed * 1200.0 / (60.0 * jet.design.revolutions)

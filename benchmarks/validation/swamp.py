@@ -159,10 +159,10 @@ def maximum_speed_rows() -> list[Row]:
     designed = brentq(lambda speed: resistance_at(towed, speed) - 4.0 * DESIGN_THRUST, 1.0, 1.74)
     number, nan = "maximum speed, deep", math.nan
     under_way = both(lambda boat: straight_speed(boat, (1.0,) * 4))
-    told = f"{number}: where the tank's resistance is 4 × {DESIGN_THRUST:g} N, the thrust of table 4.1"
+    message = f"{number}: where the tank's resistance is 4 × {DESIGN_THRUST:g} N, the thrust of table 4.1"
     return [
         Row(what, "4.2.1, table 4.1", "1.6 m/s", 1.6, full, light, FULL, reading_of=number)
-        for what, full, light in ((number, *under_way), (told, designed, nan))
+        for what, full, light in ((number, *under_way), (message, designed, nan))
     ]
 
 

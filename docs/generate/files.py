@@ -123,8 +123,8 @@ def _sections(model: type[BaseModel], key: str) -> dict[str, type[BaseModel]]:
 def _fixed_kind(model: type[BaseModel]) -> str:
     """Tells one of several models that may stand at a place by its `kind`, else by its name."""
     field = model.model_fields.get("kind")
-    told = " or ".join(map(str, get_args(field.annotation))) if field else model.__name__
-    return f", {told}"
+    text = " or ".join(map(str, get_args(field.annotation))) if field else model.__name__
+    return f", {text}"
 
 
 def _kind_of(field: FieldInfo) -> str:
@@ -156,7 +156,7 @@ def _docstring(model: type[BaseModel]) -> str:
 
 def _row(name: str, field: FieldInfo, schema: dict[str, Any], parts: dict[str, Any]) -> list[str]:
     unit = next((part.name for part in field.metadata if isinstance(part, Unit)), "")
-    bounds = ", ".join(told.format(_number(schema[key])) for key, told in BOUNDS.items() if key in schema)
+    bounds = ", ".join(text.format(_number(schema[key])) for key, text in BOUNDS.items() if key in schema)
     return [
         f"`{field.alias or name}`",
         unit,

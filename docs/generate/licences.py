@@ -36,13 +36,15 @@ def dependencies() -> dict[str, list[str]]:
 def licence(name: str) -> str:
     """Of an installed package; that it is not installed where this is so."""
     try:
-        told = metadata(name)
+        fields = metadata(name)
     except PackageNotFoundError:
         return "not installed where this page was made"
-    return told.get("License-Expression") or _classified(told) or str(told.get("License")).split("\n")[0]
+    return (
+        fields.get("License-Expression") or _classified(fields) or str(fields.get("License")).split("\n")[0]
+    )
 
 
-def _classified(told: PackageMetadata) -> str:
+def _classified(fields: PackageMetadata) -> str:
     """The licences among the classifiers."""
-    known = [text.split(" :: ") for text in told.get_all("Classifier") or []]
+    known = [text.split(" :: ") for text in fields.get_all("Classifier") or []]
     return ", ".join(parts[-1] for parts in known if parts[0] == "License")

@@ -153,8 +153,8 @@ def _read_dataset(folder: Path, group: str | None = None, kept: Path | None = No
 
 def _driver(run: Run, source: str) -> str:
     """Who had the helm, where a pilot was aboard; else the dataset's source."""
-    told = run.meta.model_extra or {}
-    pilot, helm = told.get("pilot", "pilot"), told.get("helm")
+    entries = run.meta.model_extra or {}
+    pilot, helm = entries.get("pilot", "pilot"), entries.get("helm")
     return {"pilot": str(pilot), "both": f"{source} and {pilot}"}.get(str(helm), source)
 
 

@@ -8,7 +8,7 @@ from swamp_rl.experiments.artifacts.stages import say
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
-from swamp_rl.errors import UserError, told_of
+from swamp_rl.errors import UserError, errors_at
 from swamp_rl.evaluation import drive
 from swamp_rl.files import shipped_folders
 from swamp_rl.pilots.arguments import Asked, opened
@@ -31,7 +31,7 @@ def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
         if asked.folder in shipped_folders("pilots").values():
             raise UserError(f"{str(error).rpartition(';')[0]}; install swamp-rl again") from error
         raise
-    with told_of(asked.folder or (asked.kind if ":" in asked.kind else asked.name)):
+    with errors_at(asked.folder or (asked.kind if ":" in asked.kind else asked.name)):
         observed(pilot.senses)
     if (line := check_made_for(asked.folder or asked.name, made, boat, step)) is not None:
         say(line)
@@ -48,5 +48,5 @@ def flown(pilot: Pilot, name: str, run: Run, boat: Boat, course: Course, step: f
     boats.close()
     if isinstance(run.meta.disturbances, list):
         began |= {"level": (run.meta.model_extra or {}).get("level")}  # drawn from it, though not here
-    told = {"seed": run.meta.seed, "outcome": alone.meta.outcome, "helm": "pilot", "pilot": name}
-    return Run(alone.name, alone.columns, RunMeta.model_validate(began | told))
+    metadata = {"seed": run.meta.seed, "outcome": alone.meta.outcome, "helm": "pilot", "pilot": name}
+    return Run(alone.name, alone.columns, RunMeta.model_validate(began | metadata))

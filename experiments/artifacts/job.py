@@ -53,8 +53,8 @@ def _take_over(trained: Path, part: Path) -> None:
             Path(copied).rename(target)
     for mark in (RESULTS, TRAINED):
         if (trained / mark).is_file() and not (part / WORK / SECONDS).exists():
-            told = read_json(trained / mark, "train again into another folder").get("measured")
-            took = told.get("seconds") if isinstance(told, dict) else None
+            measured = read_json(trained / mark, "train again into another folder").get("measured")
+            took = measured.get("seconds") if isinstance(measured, dict) else None
             if not isinstance(took, dict):
                 raise UserError(f"{trained / mark}: tells no times of training; train again")
             earlier = {name: value for name, value in took.items() if name.startswith(("record", "train"))}

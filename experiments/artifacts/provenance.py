@@ -31,8 +31,8 @@ def description(scene: Scene) -> dict[str, bytes]:
     written = yaml_text(scene.experiment.model_dump(mode="json"))
     files = {f"{CONFIG}/{EXPERIMENT}": written.encode()}
     files |= {f"{CONFIG}/{name}": file.read_bytes() for name, file in config_files(scene).items()}
-    told = versions() | {f"own code {name}": held for name, held in own_code_of(scene.experiment).items()}
-    return files | {"versions.json": (json.dumps(told, indent=2) + "\n").encode()}
+    entries = versions() | {f"own code {name}": held for name, held in own_code_of(scene.experiment).items()}
+    return files | {"versions.json": (json.dumps(entries, indent=2) + "\n").encode()}
 
 
 def digests_of_inputs(scene: Scene) -> dict[str, str]:
@@ -124,7 +124,9 @@ def with_pilot_hashes(experiment: Experiment, where: str) -> Experiment:
         if plan.kind in SHIPPED:
             model = hashlib.sha256(model_file(plan.options["file"], plan.options.get("sha256"))).hexdigest()
             found = own_class(plan.kind)
-            found.read(settings_of(found).model_validate(plan.options))  # one that cannot steer is told now
+            found.read(
+                settings_of(found).model_validate(plan.options)
+            )  # one that cannot steer is refused now
             plans[name] = plan.model_copy(update={"options": plan.options | {"sha256": model}})
         if plan.kind != "stored":
             continue

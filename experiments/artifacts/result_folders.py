@@ -17,7 +17,7 @@ from swamp_rl.names import YAML, file_in
 
 EPISODES = "episodes.parquet"
 DOINGS = ("success", "time", "command_change")
-"""Columns by which the doings of a pilot in an episode are told apart."""
+"""Columns by which the doings of a pilot in an episode are distinguished."""
 FILES = {"boat": "boats", "course": "courses"}
 
 
@@ -28,7 +28,7 @@ class Result:
     folder: Path
     experiment: Mapping[str, Any]
     tables: Mapping[tuple[str, str], Table]
-    told: Mapping[str, Any]
+    results: Mapping[str, Any]
     "`results.json`, empty where there is none"
     versions: Mapping[str, Any]
     "`versions.json`, likewise"
@@ -91,8 +91,8 @@ def read_result(folder: Path) -> Result:
     """A folder of results; UserError where the experiment or the episodes are missing or broken."""
     experiment = _experiment(folder / "config" / "experiment.yaml")
     tables = read_episodes(folder / EPISODES)
-    told, versions = (_json(folder / name) for name in ("results.json", "versions.json"))
-    return Result(folder, experiment, tables, told, versions)
+    results, versions = (_json(folder / name) for name in ("results.json", "versions.json"))
+    return Result(folder, experiment, tables, results, versions)
 
 
 def _experiment(path: Path) -> dict[str, Any]:

@@ -47,7 +47,7 @@ def gather(scene: Scene, dataset: Dataset, tables: Tables) -> dict[str, Any]:
 
 def learned_from(plan: PilotPlan) -> str:
     """In words, what a pilot learned from; empty where it learned nothing."""
-    learned = learner(plan.kind).told(plan)
+    learned = learner(plan.kind).description(plan)
     if not learned or plan.takeover == 0.0:
         return learned
     return f"{learned}; the scripted pilot drives for the first {plan.takeover:g} s, then it takes over"

@@ -23,7 +23,7 @@ class Stages:
     """The bars on the screen, and `seconds` by the name of each stage that has ended.
 
     log: the file that keeps them for a later life of the job; what it holds already is taken over. quiet:
-    nothing is said, as in one of many trials.
+    there is no output, as in one of many trials.
     """
 
     bars: Any

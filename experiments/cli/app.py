@@ -48,7 +48,7 @@ from swamp_rl.own_code import fault_in_own_code
 
 BAD_INPUT, INTERRUPTED, UNEXPECTED = 2, 130, 70
 STOPPED = {128 + number: word for number, word in ENDED.items()}
-"""What is said of a verb that a signal has ended, by its exit code."""
+"""Message of a verb that a signal has ended, by its exit code."""
 RESUMABLE = [["run"], ["train"], ["evaluate"], ["sweep"], ["fleet"]]
 """Verbs that go on from what an interrupted life of the same command has left."""
 DEBUG = "SWAMP_RL_DEBUG"

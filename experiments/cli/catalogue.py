@@ -108,7 +108,7 @@ def pilots(
             sources = ("recorded runs",) * one.from_runs + ("the simulator",) * one.by_trying
             typer.echo(
                 f"{kind:<19} {'learns from ' + ' and '.join(sources) if sources else 'is not trained'}"
-                + "".join(f"; {told}" for told in _shipped(kind))
+                + "".join(f"; {text}" for text in _shipped(kind))
             )
         for kind in own_kinds():
             typer.echo(
@@ -126,14 +126,18 @@ def _shipped(kind: str) -> list[str]:
 
     lines = []
     for name, folder in shipped_folders("pilots").items():
-        told = describe_pilot(folder)
-        if told.kind == kind:
+        description = describe_pilot(folder)
+        if description.kind == kind:
             fitted = (
-                f", trained on {len(told.fitted_on.runs)} {told.fitted_on.source} runs"
-                if told.fitted_on
+                f", trained on {len(description.fitted_on.runs)} {description.fitted_on.source} runs"
+                if description.fitted_on
                 else ""
             )
-            made = f", by {told.made.package} for the boat {told.made.boat}" if told.made else ""
+            made = (
+                f", by {description.made.package} for the boat {description.made.boat}"
+                if description.made
+                else ""
+            )
             lines.append(f"shipped as {name}{fitted}{made}")
     return lines
 
@@ -182,11 +186,11 @@ def _option_lines(settings: "type[BaseModel]") -> list[str]:
     for key, field in settings.model_fields.items():
         default = "must be given" if field.is_required() else f"default {field.get_default()!r}"
         limits = (
-            (getattr(part, name, None), told) for part in field.metadata for name, told in LIMITS.items()
+            (getattr(part, name, None), text) for part in field.metadata for name, text in LIMITS.items()
         )
-        bounds = ", ".join(f"{told} {limit}" for limit, told in limits if limit is not None)
-        told = f": {' '.join(field.description.split())}" if field.description else ""
-        lines.append(f"{key} ({default}{'; ' + bounds if bounds else ''}){told}")
+        bounds = ", ".join(f"{text} {limit}" for limit, text in limits if limit is not None)
+        text = f": {' '.join(field.description.split())}" if field.description else ""
+        lines.append(f"{key} ({default}{'; ' + bounds if bounds else ''}){text}")
     return lines
 
 

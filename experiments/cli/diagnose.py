@@ -160,9 +160,9 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
     from swamp_rl.criticism.report.words import is_extended, parameter_sets, separating_sentence, spread_sets
 
     yield f"verdict: {found.verdict}"
-    for said in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
-        if said:
-            yield f"  {said}"
+    for sentence in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
+        if sentence:
+            yield f"  {sentence}"
     if found.verdict == "indistinguishable":
         yield "  the explanation with the lowest chi2:"
     for cause in found.causes:
@@ -171,25 +171,25 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
             yield f"  {cause.label}{where}: {numbers}"
         for name, value, interval, unit in spread_sets(cause):
             yield f"    {name}: {value} {unit} (95 % interval {interval})"
-        if said := share_text(cause):
-            yield f"    {said}"
+        if sentence := share_text(cause):
+            yield f"    {sentence}"
     for names in found.indistinguishable:
         yield f"  cannot be distinguished: {'; '.join(names)}"
-    if said := separating_sentence(found):
-        yield f"  {said}"
+    if sentence := separating_sentence(found):
+        yield f"  {sentence}"
     if found.next_trial:
         yield "  next trial: " + "\n    ".join(next_trial_sentences(found.next_trial))
     elif trial_asked:
         yield "  next trial: none was designed; see the lines above"
-    if said := self_trial_sentence(found):
-        yield f"  {said}"
+    if sentence := self_trial_sentence(found):
+        yield f"  {sentence}"
     for left in found.leftover[:1]:
         yield (
             f"  unexplained: {left.force}, a function of {left.variable} "
             f"({left.explained:.0%} of its variance on held-out runs)"
         )
-    if said := extension_sentence(found):
-        yield f"  {said}"
+    if sentence := extension_sentence(found):
+        yield f"  {sentence}"
     for gain in found.gain:
         if gain.horizon_s == 10.0 and gain.position_rmse_m:
             missed = gain.position_rmse_m
@@ -198,8 +198,8 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
                 f"  position error 10 s ahead (root mean square): {missed.before:.3g} m with the boat file"
                 f"{extended}"
             )
-    if said := smoothed_sentence(found):
-        yield f"  {said}"
+    if sentence := smoothed_sentence(found):
+        yield f"  {sentence}"
     for number, step in enumerate(found.next_steps, 1):
         yield f"  next step {number}: {step}"
     for lack in found.missing_motion:
@@ -238,7 +238,7 @@ def _diagnose_figures(path: Path, boat: str, out: Path, holdout: Path | None, fi
             f"{stage.chi2_before:.1f} before, {stage.chi2_after:.1f} after"
         )
         for rival in stage.rivals:
-            apart = "distinguished" if rival.told_apart else "not distinguished"
+            apart = "distinguished" if rival.distinguished else "not distinguished"
             typer.echo(
                 f"    {apart} from {rival.effect} (-2 log likelihood {rival.evidence:.1f} higher; chi2 of "
                 f"held-out figures {rival.of_the_first:.1f} against {rival.held_out_chi2:.1f})"

@@ -29,8 +29,8 @@ def fleet(
     """Diagnose many boats; the same command resumes an interrupted one."""
     from swamp_rl.experiments.fleet import diagnose_fleet, members_of
 
-    def tell(name: str, said: str) -> None:
-        typer.echo(f"{name}: {said}")
+    def tell(name: str, message: str) -> None:
+        typer.echo(f"{name}: {message}")
 
     days = Counter(member.boat for member in members_of(dataset, boat))
     typer.echo(f"diagnosing {counted(len(dataset), 'dataset')} of {_boats(days)}")

@@ -24,13 +24,13 @@ def mission(
     from swamp_rl.boat import load_boat
     from swamp_rl.energy.fly import fly
     from swamp_rl.energy.mission import load_mission
-    from swamp_rl.errors import told_of
+    from swamp_rl.errors import errors_at
     from swamp_rl.replacement import refuse_to_replace
 
     asked, path = load_mission(file)
     if out is not None:
         refuse_to_replace(out, (DATA,))
-    with told_of(f"{path}: boat") if boat is None else nullcontext():
+    with errors_at(f"{path}: boat") if boat is None else nullcontext():
         sailed = load_boat(boat or asked.boat)
     flight = fly(sailed, asked, path, even_if_empty)
     for line in lines(flight):

@@ -38,17 +38,17 @@ def mark_of(source: Path) -> str:
     return f"swamp-rl {hashlib.sha256(str(source.resolve()).encode()).hexdigest()}"
 
 
-def refuse_to_replace(told: str, path: Path, read: Iterable[Path]) -> None:
+def refuse_to_replace(message: str, path: Path, read: Iterable[Path]) -> None:
     """UserError for a file that is there, but for an earlier picture or page of one of those read."""
     if not path.is_file():
         return  # a folder, a device such as /dev/stdout, or nothing
     if any(one.is_file() and one.samefile(path) for one in read):
-        raise UserError(f"{told}: already exists and is read by this command; name another file")
+        raise UserError(f"{message}: already exists and is read by this command; name another file")
     begin = b""
     with suppress(OSError), path.open("rb") as file:
         begin = file.read(BEGIN)
     if not any(mark_of(one).encode() in begin for one in read):
-        raise UserError(f"{told}: already exists; name another file, or remove it")
+        raise UserError(f"{message}: already exists; name another file, or remove it")
 
 
 def _guarded(verb: Any) -> Any:
@@ -77,12 +77,12 @@ def _texts(value: Any) -> Iterator[str]:
             yield str(one)
 
 
-def _refuse(told: str, path: Path, read: list[Path]) -> None:
+def _refuse(message: str, path: Path, read: list[Path]) -> None:
     from swamp_rl.runs.schema import ANALYSIS, META
 
     place = path.resolve()
     for folder in place.parents:
         inside = place.relative_to(folder)
         if (folder / META).is_file() and inside.parts[0] != ANALYSIS:
-            raise UserError(f"{told}: lies in the dataset {folder}; name a place outside it")
-    refuse_to_replace(told, path, read)
+            raise UserError(f"{message}: lies in the dataset {folder}; name a place outside it")
+    refuse_to_replace(message, path, read)

@@ -122,7 +122,7 @@ def record(
             stack.close()  # the motors are stopped before anything waits for the disk
             session.close()
     for kept in session.opened:
-        typer.echo(f"{kept.folder}: {kept.told()}")
+        typer.echo(f"{kept.folder}: {kept.sentence()}")
 
 
 def _refuse_of_the_other_kind(

@@ -21,9 +21,9 @@ def boat_for(folder: Path, boat: str | None) -> str | None:
     """The boat that was named for a folder; UserError where that says it itself."""
     from swamp_rl.runs.dataset import META, parse
 
-    told, _ = parse(folder) if boat is not None and (folder / META).exists() else (None, [])
-    if told is not None:
-        raise UserError(f"--boat {boat}: {folder / META} names {told.meta.vehicle}; leave --boat out")
+    description, _ = parse(folder) if boat is not None and (folder / META).exists() else (None, [])
+    if description is not None:
+        raise UserError(f"--boat {boat}: {folder / META} names {description.meta.vehicle}; leave --boat out")
     return boat
 
 

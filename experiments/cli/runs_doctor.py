@@ -26,7 +26,7 @@ def doctor(
     faults = sum(finding.level == "fault" for finding in found)
     rows = sum(len(next(iter(run.columns.values()), [])) for run in records.runs)
     if as_json:
-        told = {
+        result = {
             "folder": str(folder),
             "layout": records.layout,
             "boat": records.boat.name if records.boat else None,
@@ -35,7 +35,7 @@ def doctor(
             "format_faults": records.faults,
             "findings": [finding.as_json() for finding in found],
         }
-        typer.echo(json.dumps(told, indent=2, allow_nan=False))
+        typer.echo(json.dumps(result, indent=2, allow_nan=False))
     else:
         for finding in found:
             typer.echo(str(finding))

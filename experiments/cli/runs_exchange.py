@@ -191,11 +191,11 @@ def _list(sources: list[Path], kind: str, folders: bool) -> None:
 def _tell(out: Path, made: "DatasetMeta") -> None:
     """Print how the rows of imported runs were changed, and how many there are."""
     for run in made.runs:
-        told = run.model_extra or {}
+        entries = run.model_extra or {}
         for key in NOTED:
-            if key in told:
-                typer.echo(clipped(f"{run.file}: {key.replace('_', ' ')}: {told[key]}", LONGEST))
-        for line in (*told.get("cells_left_out", ()), *told.get("rows_left_out", ())):
+            if key in entries:
+                typer.echo(clipped(f"{run.file}: {key.replace('_', ' ')}: {entries[key]}", LONGEST))
+        for line in (*entries.get("cells_left_out", ()), *entries.get("rows_left_out", ())):
             typer.echo(clipped(f"{run.file}: {line}", LONGEST))
     rows = sum(run.rows or 0 for run in made.runs)
     typer.echo(

@@ -64,15 +64,15 @@ def _plan(data: dict[str, Any], options: dict[str, str]) -> "Plan":
     try:
         return Plan.model_validate(data)
     except ValidationError as error:
-        told = [_of_options(*fault, options) for fault in explanations(error, Plan)]
-        raise UserError("\n".join(told)) from error
+        faults = [_of_options(*fault, options) for fault in explanations(error, Plan)]
+        raise UserError("\n".join(faults)) from error
 
 
 def _of_options(key: str, message: str, options: dict[str, str]) -> str:
     """A fault at a dotted key of a plan, such as `trials.0.angle_deg.0`, in terms of options."""
     own = next((options[part] for part in reversed(key.split(".")) if part in options), None)
-    told = re.sub(r"\w+_\w+", lambda found: options.get(found[0], found[0]), message)
-    return f"{own}: {told}" if own else told
+    text = re.sub(r"\w+_\w+", lambda found: options.get(found[0], found[0]), message)
+    return f"{own}: {text}" if own else text
 
 
 def _execute(plan: "Plan", boat: "Boat", out: Path) -> None:
@@ -212,11 +212,11 @@ def plan(
 ) -> None:
     """Execute every manoeuvre of a plan file."""
     from swamp_rl.boat import load_boat
-    from swamp_rl.errors import told_of
+    from swamp_rl.errors import errors_at
     from swamp_rl.manoeuvres.plan import load_plan
 
     asked = load_plan(file)
-    with told_of(f"{file}: boat") if boat is None else nullcontext():
+    with errors_at(f"{file}: boat") if boat is None else nullcontext():
         vessel = load_boat(boat or asked.boat)
     _execute(asked.model_copy(update={"boat": boat or asked.boat}), vessel, out)
 

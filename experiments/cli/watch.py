@@ -42,14 +42,14 @@ def watch(
     own = boat_of_mcap(mcap) if mcap and not boat else None
     known = own or load_boat(boat or "swamp")
     monitor = Monitor(known)
-    last, count, said = 0.0, 0, False
+    last, count, printed = 0.0, 0, False
     with suppress(KeyboardInterrupt):  # how one stops watching
         for sample in samples(str(link or mcap), known, topic):
             notices = monitor.feed(sample)
             last, count = sample.time, count + 1
-            if monitor.watching and not said and not as_json:
+            if monitor.watching and not printed and not as_json:
                 typer.echo(f"{last:.1f} s: noise and innovation statistics estimated; monitoring")
-                said = True
+                printed = True
             for notice in notices:
                 typer.echo(json.dumps(asdict(notice), allow_nan=False) if as_json else notice.text)
             if seconds is not None and last >= seconds:

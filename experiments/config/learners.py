@@ -81,7 +81,7 @@ class Learner:
 
     settings: type[Settings]
     train: Callable[[Training], "Pilot"]
-    told: Callable[[PilotPlan], str]
+    description: Callable[[PilotPlan], str]
     "Description of what it learned from; empty where it learned from nothing."
     from_runs: bool = False
     "It learns from runs, so that `runs` and `outcomes` have a meaning."
@@ -171,7 +171,7 @@ class ScriptedSettings(Settings):
     skill: Skill = "usual"
 
 
-def _runs_told(plan: PilotPlan) -> str:
+def _of_runs(plan: PilotPlan) -> str:
     count = "all" if plan.runs is None else f"the first {plan.runs}"
     driver = "" if plan.skill is None else f" of the {plan.skill} driver"
     if plan.outcomes == ("success",):
@@ -179,7 +179,7 @@ def _runs_told(plan: PilotPlan) -> str:
     return f"{count} runs{driver} that ended in {' or '.join(plan.outcomes)}"
 
 
-def _tries_told(plan: PilotPlan) -> str:
+def _of_decisions(plan: PilotPlan) -> str:
     tried = f"{plan.options['decisions']:,} decisions in the simulator"
     return f"{tried} at level `{plan.disturbances}`" if plan.disturbances else tried
 
@@ -194,7 +194,7 @@ def _scripted() -> Learner:
             training.scene.experiment.step,
         )
 
-    return Learner(ScriptedSettings, train, told=lambda plan: "")
+    return Learner(ScriptedSettings, train, description=lambda plan: "")
 
 
 def _line_of_sight() -> Learner:
@@ -206,7 +206,7 @@ def _line_of_sight() -> Learner:
         scene = training.scene
         return LineOfSightPilot(with_damping(training.settings, scene.boat, scene.experiment.step))
 
-    return Learner(LineOfSightSettings, train, told=lambda plan: "")
+    return Learner(LineOfSightSettings, train, description=lambda plan: "")
 
 
 def _reservoir() -> Learner:
@@ -215,7 +215,7 @@ def _reservoir() -> Learner:
     def train(training: Training) -> "Pilot":
         return fit_reservoir(training.runs(), training.settings)
 
-    return Learner(ReservoirSettings, train, _runs_told, from_runs=True)
+    return Learner(ReservoirSettings, train, _of_runs, from_runs=True)
 
 
 def _searched_reservoir() -> Learner:
@@ -224,7 +224,7 @@ def _searched_reservoir() -> Learner:
     def train(training: Training) -> "Pilot":
         return fit_searched_reservoir(training.runs(), training.settings, training.tick)
 
-    return Learner(SearchedReservoirSettings, train, _runs_told, from_runs=True)
+    return Learner(SearchedReservoirSettings, train, _of_runs, from_runs=True)
 
 
 def _cloning() -> Learner:
@@ -235,7 +235,7 @@ def _cloning() -> Learner:
             training.runs(), training.settings, training.tick, training.checkpoint, training.log
         )
 
-    return Learner(CloningSettings, train, _runs_told, from_runs=True)
+    return Learner(CloningSettings, train, _of_runs, from_runs=True)
 
 
 def _gru() -> Learner:
@@ -244,7 +244,7 @@ def _gru() -> Learner:
     def train(training: Training) -> "Pilot":
         return fit_gru(training.runs(), training.settings, training.tick, training.checkpoint, training.log)
 
-    return Learner(GRUSettings, train, _runs_told, from_runs=True)
+    return Learner(GRUSettings, train, _of_runs, from_runs=True)
 
 
 def _dagger() -> Learner:
@@ -266,12 +266,12 @@ def _dagger() -> Learner:
             training.checkpoint,
         )
 
-    def told(plan: PilotPlan) -> str:
+    def description(plan: PilotPlan) -> str:
         corrected = plan.options["rounds"] * plan.options["runs"]
         level = f", at level `{plan.disturbances}`" if plan.disturbances else ""
-        return f"{_runs_told(plan)}, and {corrected} runs of its own with the expert's commands{level}"
+        return f"{_of_runs(plan)}, and {corrected} runs of its own with the expert's commands{level}"
 
-    return Learner(DaggerSettings, train, told, from_runs=True, by_trying=True)
+    return Learner(DaggerSettings, train, description, from_runs=True, by_trying=True)
 
 
 def _ppo() -> Learner:
@@ -287,7 +287,7 @@ def _ppo() -> Learner:
 
     networks = ("cloning", "ppo", "sac", "stored")
     return Learner(
-        PPOSettings, train, _tries_told, by_trying=True, starts_from=("start",), starts_with=networks
+        PPOSettings, train, _of_decisions, by_trying=True, starts_from=("start",), starts_with=networks
     )
 
 
@@ -301,7 +301,7 @@ def _sac() -> Learner:
         boats = GatesVecEnv(training.boats(settings.boats, settings.senses), settings.hold)
         return train_sac(boats, settings, training.tick, training.log, training.checkpoint)
 
-    return Learner(SACSettings, train, _tries_told, by_trying=True)
+    return Learner(SACSettings, train, _of_decisions, by_trying=True)
 
 
 class StoredSettings(Settings):
@@ -317,7 +317,7 @@ def _stored() -> Learner:
     return Learner(
         StoredSettings,
         train=lambda training: load_pilot(training.settings.folder),
-        told=lambda plan: f"stored in `{plan.options['folder']}`",
+        description=lambda plan: f"stored in `{plan.options['folder']}`",
         fitted_on=lambda training: describe_pilot(training.settings.folder).fitted_on,
         made=lambda training: describe_pilot(training.settings.folder).made,
     )
@@ -332,8 +332,8 @@ def _own(kind: str) -> Learner:
         return OwnPilot(kind, found.train(training), training.settings)
 
     from_runs = getattr(found, "from_runs", True)
-    told = _runs_told if from_runs else lambda plan: f"trained by `{plan.kind}`"
-    return Learner(settings_of(found), train, told, from_runs=from_runs, by_trying=True)
+    description = _of_runs if from_runs else lambda plan: f"trained by `{plan.kind}`"
+    return Learner(settings_of(found), train, description, from_runs=from_runs, by_trying=True)
 
 
 LEARNERS: dict[str, Callable[[], Learner]] = {

@@ -18,7 +18,7 @@ from swamp_rl.experiments.config.smoke import shrunk
 from swamp_rl import own_code
 from swamp_rl.boat import Boat
 from swamp_rl.clipped import clipped
-from swamp_rl.errors import UserError, told_of
+from swamp_rl.errors import UserError, errors_at
 from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, is_file, or_beside, read_yaml, validated
 from swamp_rl.own_code import is_code
@@ -185,7 +185,7 @@ def _base_of(path: Path, base: str) -> Path:
     beside = path.parent / base
     if beside.suffix in (".yaml", ".yml") and beside.is_file():
         return beside
-    with told_of(f"{path}: extends"):
+    with errors_at(f"{path}: extends"):
         return find_config("experiments", base)
 
 
@@ -251,16 +251,16 @@ def _named(overrides: Iterable[str], given: Mapping[str, str]) -> list[Layer]:
     return [(name, _parsed(name, text)) for name, text in named]
 
 
-def _parsed(said: str, override: str) -> dict[str, Any]:
+def _parsed(message: str, override: str) -> dict[str, Any]:
     key, equals, text = override.partition("=")
     parts = key.split(".")
     if not equals or not all(parts) or len(parts) > DEEPEST:
-        raise UserError(f"{said}: must be key=value, with a dotted key such as evaluation.episodes=100")
+        raise UserError(f"{message}: must be key=value, with a dotted key such as evaluation.episodes=100")
     try:
         value = parsed(text)
     except (yaml.YAMLError, ValueError) as error:
         problem = " ".join(str(getattr(error, "problem", None) or error).split())
-        raise UserError(f"{said}: the value is malformed YAML ({problem}); put it in quotes") from error
+        raise UserError(f"{message}: the value is malformed YAML ({problem}); put it in quotes") from error
     for part in reversed(parts):
         value = {part: value}
     return value

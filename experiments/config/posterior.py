@@ -80,8 +80,8 @@ def _other_thrusters(
     same = [_names(cause.thruster) for cause in causes if cause.effect == read.effect.name]
     taken = set[str]().union(*same)
     if taken and ALL in read.selectors and ALL not in taken:
-        told = f"{read.effect.name} of all thrusters includes {' and '.join(sorted(taken))}"
-        raise UserError(f"{where}: {told}, which the diagnosis has; name the others one by one")
+        message = f"{read.effect.name} of all thrusters includes {' and '.join(sorted(taken))}"
+        raise UserError(f"{where}: {message}, which the diagnosis has; name the others one by one")
     kept = [one for one in read.selectors if ALL not in taken and not taken & _names(one)]
     if len(kept) == len(read.selectors):
         return entry
@@ -104,8 +104,8 @@ def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; {REMEDY}") from error
     except ValidationError as error:
-        where, told = explanations(error, model)[0]
-        raise UserError(f"{path}: {where + ': ' if where else ''}{told}; {REMEDY}") from error
+        where, message = explanations(error, model)[0]
+        raise UserError(f"{path}: {where + ': ' if where else ''}{message}; {REMEDY}") from error
     except ValueError as error:
         raise UserError(f"{path}: is no JSON ({clipped(error)}); {REMEDY}") from error
 

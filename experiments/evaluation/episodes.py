@@ -65,8 +65,8 @@ def _read(file: Path) -> tuple[Table, list[Run]]:
         name, column = key.split("/")
         parts.setdefault(name, {})[column] = values
     table = parts.pop("table")
-    told = zip(table["seed"].tolist(), table["outcome"].tolist(), strict=True)
-    metas = [RunMeta(seed=seed, outcome=outcome) for seed, outcome in told]
+    outcomes = zip(table["seed"].tolist(), table["outcome"].tolist(), strict=True)
+    metas = [RunMeta(seed=seed, outcome=outcome) for seed, outcome in outcomes]
     return table, [
         Run(name, columns, meta) for (name, columns), meta in zip(parts.items(), metas, strict=False)
     ]

@@ -37,8 +37,8 @@ def write_driven(scene: Scene, tried: Tried, race: Race, folder: Path) -> None:
         runs = []
         for level in scene.levels:
             for run, disturbed in zip(tried.shown[pilot, level], drawn[level], strict=False):
-                told = run.meta.model_dump() | disturbed | {"pilot": pilot, "level": level}
-                runs.append(Run(run.name, run.columns, RunMeta.model_validate(told)))
+                metadata = run.meta.model_dump() | disturbed | {"pilot": pilot, "level": level}
+                runs.append(Run(run.name, run.columns, RunMeta.model_validate(metadata)))
         append_runs(folder / pilot, runs + [run for who, run in race.items() if who == pilot])
 
 

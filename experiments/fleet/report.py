@@ -31,7 +31,7 @@ def _opening(fleet: Fleet) -> str:
 
 
 def _p(value: float) -> str:
-    """A p-value; one below the least number is told as such."""
+    """A p-value; one below the least number is written as such."""
     return f"{value:.2g}" if value else f"< {sys.float_info.min:.0e}"
 
 
@@ -67,8 +67,8 @@ def _members(fleet: Fleet) -> str:
         name, report = html.escape(one.name), f"./{quote(one.name)}/report.html"
         link = f'<a href="{report}">{name}</a>' if one.verdict else name
         verdict = one.verdict.replace("_", " ") if one.verdict else "not diagnosed"
-        told = one.error or ", ".join(one.causes)
-        rows.append((link, html.escape(one.boat), verdict, html.escape(told)))
+        cell = one.error or ", ".join(one.causes)
+        rows.append((link, html.escape(one.boat), verdict, html.escape(cell)))
     heads = ("dataset", "boat", "verdict", "causes, or why there is no diagnosis")
     return "<h2>Datasets</h2>" + table(heads, rows, raw=True)
 

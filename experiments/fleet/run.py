@@ -42,7 +42,7 @@ def diagnose_fleet(
     ignore: Sequence[str] = (),
     workers: int | None = None,
     ray: str | None = None,
-    tell: Tell = lambda name, said: None,
+    tell: Tell = lambda name, message: None,
     pool: Pool | None = None,
 ) -> Fleet:
     """Diagnose every dataset into a folder of its own in `out`, and write fleet.json and fleet.html there.
@@ -175,10 +175,10 @@ def carry_out(jobs: Mapping[str, str], pool: Pool, tell: Tell) -> dict[str, str]
     names, wrong = list(jobs), dict[str, str]()
     for ended in completed(range(len(names)), lambda number: jobs[names[number]], pool, RETRIES):
         name = names[ended.number]
-        told = json.loads(ended.answer) if ended.answer is not None else {"error": ended.error}
-        if told.get("error"):
-            wrong[name] = told["error"]
-        tell(name, told.get("error") or told["verdict"])
+        result = json.loads(ended.answer) if ended.answer is not None else {"error": ended.error}
+        if result.get("error"):
+            wrong[name] = result["error"]
+        tell(name, result.get("error") or result["verdict"])
     return wrong
 
 
@@ -193,20 +193,20 @@ def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> 
             except UserError as error:
                 unread[one.name] = str(error)
     wrong = {**wrong, **unread}
-    told = []
+    listed = []
     for member in members:
         more: dict[str, Any] = {"error": wrong.get(member.name)}
         if member.name in found:
             own = found[member.name]
             more = {"verdict": own.verdict, "causes": [label(cause) for cause in own.causes]}
-        told.append(member.model_copy(update=more))
-    findings, tests = findings_of(told, found)
-    drifts, changes = changes_of(told, found, findings)
+        listed.append(member.model_copy(update=more))
+    findings, tests = findings_of(listed, found)
+    drifts, changes = changes_of(listed, found, findings)
     return Fleet(
         version=__version__,
         rate=RATE,
         tests=tests,
-        members=told,
+        members=listed,
         findings=findings,
         shared=shared_causes(findings),
         drifts=drifts,

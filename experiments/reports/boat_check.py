@@ -107,10 +107,10 @@ def _motion_lines(boat: Boat, results: Sequence[Result]) -> list[str]:
 def _stability_line(boat: Boat, speed: float) -> str:
     found = straight_line_stability(boat)
     time = math.log(2.0) / abs(found.growth)
-    told = f"in {time:.3g} s, {time * speed / boat.length:.2g} L"
+    distance = f"in {time:.3g} s, {time * speed / boat.length:.2g} L"
     if found.growth <= 0.0:
-        return f"straight-line stability at full ahead: stable, a yaw rate halves {told}"
-    line = f"straight-line stability at full ahead: unstable, a yaw rate doubles {told}; "
+        return f"straight-line stability at full ahead: stable, a yaw rate halves {distance}"
+    line = f"straight-line stability at full ahead: unstable, a yaw rate doubles {distance}; "
     if found.stable_n_r is None:
         return line + "no hull.n_r makes it stable; check hull.n_v, hull.y_r and x_g"
     return line + (
@@ -137,8 +137,8 @@ def _rows(boat: Boat) -> list[list[str]]:
     return [
         [
             in_markdown(key),
-            in_markdown(_told(value_at(boat, key.split(".")))),
-            _told(origin.sd),
+            in_markdown(_cell(value_at(boat, key.split(".")))),
+            _cell(origin.sd),
             in_markdown(origin.unit),
             origin.provenance,
             in_markdown(origin.source),
@@ -147,7 +147,7 @@ def _rows(boat: Boat) -> list[list[str]]:
     ]
 
 
-def _told(value: Any) -> str:
+def _cell(value: Any) -> str:
     if value is None:
         return ""
     return ", ".join(f"{one:.6g}" for one in value) if isinstance(value, tuple) else f"{value:.6g}"

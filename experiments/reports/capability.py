@@ -44,7 +44,7 @@ def write_capability(out: Path, boat_name: str, wind: float, current: float, fai
         write_rows(part / "capability.csv", ["direction_deg", "current", "wind"], rows)
         without = f" without {', '.join(failed)}" if failed else ""
         draw_capability(part / "capability.png", found, f"Capability of {boat.name}{without}")
-    said = [
+    lines = [
         f"{name} [m/s]: from ahead {'at least ' * bool(values[0] >= most)}{values[0]:.2f}, least "
         f"{values.min():.2f} from {degrees[values.argmin()]:.0f} deg"
         for name, values, most in zip(
@@ -52,5 +52,5 @@ def write_capability(out: Path, boat_name: str, wind: float, current: float, fai
         )
     ]
     if not pushes_sideways(drive):
-        said.append("the drive has no sway force: it holds only what comes from straight ahead or astern")
-    return said
+        lines.append("the drive has no sway force: it holds only what comes from straight ahead or astern")
+    return lines

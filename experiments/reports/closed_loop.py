@@ -41,11 +41,11 @@ def report(results: Results) -> str:
 
 def effects(results: Results) -> str:
     """The effects of the true boat, with their parameters."""
-    said = []
+    lines = []
     for entry in results["hidden"]["effects"]:
         rest = ", ".join(f"{key} {value}" for key, value in entry.items() if key != "effect")
-        said.append(f"`{entry['effect']}` ({rest})")
-    return " and ".join(said)
+        lines.append(f"`{entry['effect']}` ({rest})")
+    return " and ".join(lines)
 
 
 def causes(results: Results) -> str:

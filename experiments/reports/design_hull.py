@@ -158,6 +158,6 @@ def quantities(hull: HullDesign, condition: Stability) -> list[Quantity]:
         degrees = f"{math.degrees(value):.0f} deg"
         shown = degrees if key == "angle_of_greatest" else f"{value:.4g} {unit}"
         least = math.degrees(CRITERIA[key]) if key == "angle_of_greatest" else CRITERIA[key]
-        told = f"{'meets' if fulfilled[key] else 'FAILS'} the criterion, at least {least:g}"
-        found.append(Quantity(key, value, unit, meaning, f"{shown:<14} {told}"))
+        verdict = f"{'meets' if fulfilled[key] else 'FAILS'} the criterion, at least {least:g}"
+        found.append(Quantity(key, value, unit, meaning, f"{shown:<14} {verdict}"))
     return found

@@ -27,8 +27,8 @@ def draw_pump_jet(path: Path, jet: PumpJet) -> None:
         meridian(canvas.add_subplot(grid[1, 1]), lines)
         vane_angles(canvas.add_subplot(grid[0, 2]), lines)
         curves(canvas.add_subplot(grid[1, 2]), jet)
-        told = f"{jet.design.thrust:g} N at {60 * jet.design.revolutions:.4g} rpm"
-        canvas.suptitle(f"{jet.design.name}: {told}, {jet.design.blades} vanes", fontweight="bold")
+        label = f"{jet.design.thrust:g} N at {60 * jet.design.revolutions:.4g} rpm"
+        canvas.suptitle(f"{jet.design.name}: {label}, {jet.design.blades} vanes", fontweight="bold")
 
 
 def triangles(axes: Any, name: str, three: tuple[Triangle, ...], widest: float) -> None:

@@ -189,8 +189,8 @@ def _costs(results: Results) -> str:
         for level in _levels(results)
         for name, pilot in results["pilots"].items()
     }
-    told = [*COSTS, *(cost for cost in ELECTRIC if all(cost in costs for costs in means.values()))]
-    rows = [[who, *(_number(cost, costs[cost]) for cost in told)] for who, costs in means.items()]
+    columns = [*COSTS, *(cost for cost in ELECTRIC if all(cost in costs for costs in means.values()))]
+    rows = [[who, *(_number(cost, costs[cost]) for cost in columns)] for who, costs in means.items()]
     electric = (
         " Electric energy is the energy drawn from all battery packs, hotel load included. Range is the "
         "distance left above the reserve at that energy per metre, from the state of charge that the level "
@@ -199,9 +199,9 @@ def _costs(results: Results) -> str:
     return (
         "## Costs of successful episodes\n\n"
         "Means over the successful episodes. The energy of the jets is the kinetic energy of their wake."
-        + (electric if ELECTRIC[0] in told else "")
+        + (electric if ELECTRIC[0] in columns else "")
         + "\n\n"
-        + table(["pilot, level", *(COST_NAMES[cost][0] for cost in told)], rows)
+        + table(["pilot, level", *(COST_NAMES[cost][0] for cost in columns)], rows)
     )
 
 

@@ -35,8 +35,8 @@ def training_panels(runs: Sequence[Run]) -> list[figures.Panel]:
     """The successful and the failed runs, without a panel of none."""
     good = [run for run in runs if run.meta.outcome == "success"]
     failed = [run for run in runs if run.meta.outcome != "success"]
-    told = (("successful run", good), ("failed run", failed))
-    return [(counted(len(panel), noun), panel) for noun, panel in told if panel]
+    labels = (("successful run", good), ("failed run", failed))
+    return [(counted(len(panel), noun), panel) for noun, panel in labels if panel]
 
 
 def write_race(scene: Scene, race: Race, path: Path) -> None:

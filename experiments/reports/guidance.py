@@ -46,13 +46,13 @@ def follow_path(
     boat, curve = load_boat(boat_name), path.curve()
     pace = SteadyPace(speeds_of(path, reference_of(boat).speed, file), curve.length)
     longest = PATIENCE * curve.length / path.speed + STARTING * (boat.length / SWAMP_LENGTH) ** 0.5
-    told = {
+    result = {
         "what": "path",
         "name": path.name,
         "path": path.model_dump(mode="json"),
         "path_length": curve.length,
     }
-    return _followed(out, boat, boat_name, curve, pace, longest, level, sea, seed, told)
+    return _followed(out, boat, boat_name, curve, pace, longest, level, sea, seed, result)
 
 
 def follow_leader(
@@ -73,8 +73,8 @@ def follow_leader(
         raise UserError(f"--behind {behind:g}: {file} is {curve.length:.3g} m long; follow more closely")
     pace = BehindVehicle(time, way, behind, reference_of(boat).speed)
     longest = min(PATIENCE * float(time[-1]) + STARTING, LONGEST)
-    told = {"what": "vehicle", "name": leader.name, "behind": behind, "path_length": curve.length}
-    return _followed(out, boat, boat_name, curve, pace, longest, level, sea, seed, told)
+    target = {"what": "vehicle", "name": leader.name, "behind": behind, "path_length": curve.length}
+    return _followed(out, boat, boat_name, curve, pace, longest, level, sea, seed, target)
 
 
 def way_of(time: Array, places: Array, length: float, file: object) -> tuple[Curve, Array, Array]:
@@ -107,7 +107,7 @@ def _followed(
     level: str | None,
     sea: list[dict[str, Any]],
     seed: int,
-    told: dict[str, Any],
+    target: dict[str, Any],
 ) -> list[str]:
     at_sea, offset, drawn = in_sea(boat, level, sea, seed)
     follower = CurveFollower(drive_of(boat), servo_of(boat), curve, pace, boat.length)
@@ -116,14 +116,14 @@ def _followed(
         pose = (float(north), float(east), float(curve.course[0] + offset[2]))
         flight = flown(at_sea, follower, pose, longest, seed)
         track = along_and_across(curve, flight.track, boat.length)
-        result = told | _common(flight, seed, drawn) | {"cross_track_error": spread(track[:, 1])}
+        result = target | _common(flight, seed, drawn) | {"cross_track_error": spread(track[:, 1])}
         if isinstance(pace, BehindVehicle):
             gap = np.array([pace.known(t) for t in flight.time]) - track[:, 0] - pace.behind
             moving = np.array([pace.known(t) > pace.behind for t in flight.time])
             result["gap_error"] = spread(gap[moving]) if moving.any() else None
-        append_run(part, flight.run(told["what"], seed, drawn, {"guidance": told["what"]}))
+        append_run(part, flight.run(target["what"], seed, drawn, {"guidance": target["what"]}))
         (part / ANALYSIS).mkdir()
-        draw_track(part / ANALYSIS / "track.png", flight, curve, track[:, 1], _title(boat, told))
+        draw_track(part / ANALYSIS / "track.png", flight, curve, track[:, 1], _title(boat, target))
         _write(part / ANALYSIS, result, flight, {"along": track[:, 0], "across": track[:, 1]})
     return lines(result)
 
@@ -149,7 +149,7 @@ def hold_station(
         flight = flown(at_sea, Timed(keeper, duration), pose, duration, seed)
         away, turned = station_errors(flight.track, (0.0, 0.0), balance.heading)
         late = flight.time >= SETTLING * duration
-        told = {
+        own = {
             "what": "station",
             "name": "station",
             "keeper": type(keeper).__name__,
@@ -158,11 +158,11 @@ def hold_station(
             "failed": failed,
             "balance": balance.reason,
         }
-        result = told | _common(flight, seed, drawn)
+        result = own | _common(flight, seed, drawn)
         result |= {"distance": spread(away[late]), "heading_error": spread(turned[late])}
         append_run(part, flight.run("station", seed, drawn, {"guidance": "station"}))
         (part / ANALYSIS).mkdir()
-        draw_station(part / ANALYSIS / "track.png", flight, away, turned, _title(boat, told))
+        draw_station(part / ANALYSIS / "track.png", flight, away, turned, _title(boat, own))
         _write(part / ANALYSIS, result, flight, {"distance": away, "heading_error": turned})
     return [balance.reason, *lines(result)]
 
@@ -183,12 +183,12 @@ def _meta(boat: Boat, boat_name: str) -> DatasetMeta:
     return meta_of(boat, boat_name, 1.0 / STEP, "simulated", notes=NOTES)
 
 
-def _title(boat: Boat, told: dict[str, Any]) -> str:
-    return f"{told['what'].capitalize()} {told['name'] if told['what'] != 'station' else ''} of {boat.name}"
+def _title(boat: Boat, goal: dict[str, Any]) -> str:
+    return f"{goal['what'].capitalize()} {goal['name'] if goal['what'] != 'station' else ''} of {boat.name}"
 
 
 def _common(flight: Flight, seed: int, drawn: list[dict[str, Any]]) -> dict[str, Any]:
-    """What every flight is told by: its end, time, way, speed and energy."""
+    """Result of every flight: end, time, way, speed and energy."""
     steps = np.hypot(*np.diff(flight.track[:, [NORTH, EAST]], axis=0).T)
     speed = np.hypot(flight.track[:, SURGE], flight.track[:, SWAY])
     return {

@@ -50,7 +50,7 @@ HEADS = (
 def gather(folder: Path, seed: int = 0) -> Board:
     """Every result in `folder`; those of one boat, course and step are ranked with each other.
 
-    A result that cannot be read is left out and told. UserError where there is none at all.
+    A result that cannot be read is left out and named. UserError where there is none at all.
     """
     read, left_out = [], []
     for path in find_results([folder]):
@@ -123,16 +123,16 @@ def _number(value: float | None, form: str) -> tuple[str, float | str]:
 
 def _data(entrant: Entrant, result: Result) -> str:
     """What the pilot learned from, in the words of its results."""
-    learned = _text(result.told, "pilots", entrant.pilot, "learned_from")
-    source = _text(result.told, "data", "source")
+    learned = _text(result.results, "pilots", entrant.pilot, "learned_from")
+    source = _text(result.results, "data", "source")
     return f"{source}: {learned}" if source and learned else learned
 
 
-def _text(told: Any, *keys: str) -> str:
+def _text(results: Any, *keys: str) -> str:
     """The text that nested keys lead to; empty where there is none."""
     for key in keys:
-        told = told.get(key) if isinstance(told, Mapping) else None
-    return "" if told is None else str(told)
+        results = results.get(key) if isinstance(results, Mapping) else None
+    return "" if results is None else str(results)
 
 
 STYLE = """

@@ -141,19 +141,19 @@ def lines(flight: Flight) -> list[str]:
     found = summary(flight)
     energy = ", ".join(f"{name} {joule / WATT_HOUR:.1f}" for name, joule in _packs(flight, "energy"))
     charge = ", ".join(f"{name} {left:.3f}" for name, left in _packs(flight, "charge"))
-    told = [
+    entries = [
         f"{found['time'] / 60.0:.1f} min, {found['distance']:.0f} m, {found['energy_per_metre']:.1f} J/m",
         f"energy in Wh: {energy}",
         f"state of charge at the end: {charge}",
     ]
     if early := _ended_early(flight):
-        return [*told, early]
+        return [*entries, early]
     above = found["seconds_above_continuous_current"]
     if above > 0.0:
-        told.append(f"a pack gives more than its continuous current for {above:.0f} s")
+        entries.append(f"a pack gives more than its continuous current for {above:.0f} s")
     if found["range_left"] is not None:
-        told.append(f"range left above the reserve: {found['range_left']:.0f} m")
-    return told
+        entries.append(f"range left above the reserve: {found['range_left']:.0f} m")
+    return entries
 
 
 def _packs(flight: Flight, key: str) -> list[tuple[str, float]]:

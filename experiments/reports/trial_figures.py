@@ -152,7 +152,7 @@ def settings(results: Sequence[Result]) -> list[tuple[float, float]]:
 
 
 def heading_of(result: Result) -> float:
-    """Where a zig-zag reverses [deg]; its angle where that is not told."""
+    """Where a zig-zag reverses [deg]; its angle where that is not stated."""
     return abs(math.degrees(float(result.setting.get("heading", result.setting.get("angle", math.nan)))))
 
 

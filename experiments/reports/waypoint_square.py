@@ -35,8 +35,8 @@ def write_square(out: Path, name: str, seed: int) -> list[str]:
     poses = replay(vehicle, log, found)
     error = track_error(log, poses)
     with folder_beside(out, replaces=DATA) as part:
-        told = as_json(vehicle, log, found, error, seed)
-        (part / DATA).write_text(json.dumps(told, indent=1, allow_nan=False), encoding="utf-8")
+        result = as_json(vehicle, log, found, error, seed)
+        (part / DATA).write_text(json.dumps(result, indent=1, allow_nan=False), encoding="utf-8")
         (part / "report.md").write_text(
             report(vehicle, found, lines(vehicle, log, found, error)), encoding="utf-8"
         )
@@ -91,20 +91,23 @@ def rows_of(vehicle: Vehicle, found: list[Found]) -> list[list[str]]:
 
 def lines(vehicle: Vehicle, log: Log, found: list[Found], error: Array) -> list[str]:
     """What the command line prints."""
-    told = [f"{log.length:.1f} m in {len(log.force) * STEP:.0f} s"]
-    told += [
+    entries = [f"{log.length:.1f} m in {len(log.force) * STEP:.0f} s"]
+    entries += [
         f"{name:<11} {value} {unit:<7} 95 % {between}, file {true}"
         for name, unit, true, value, between in rows_of(vehicle, found)
     ]
-    told += [f"not identifiable: {refusal(one)}" for one in found if not one.shown]
+    entries += [f"not identifiable: {refusal(one)}" for one in found if not one.shown]
     e = figures(error)
-    return [*told, f"replay: mean track error {e['mean']:.2f} m, rms {e['rms']:.2f} m, max {e['max']:.2f} m"]
+    return [
+        *entries,
+        f"replay: mean track error {e['mean']:.2f} m, rms {e['rms']:.2f} m, max {e['max']:.2f} m",
+    ]
 
 
-def report(vehicle: Vehicle, found: list[Found], told: list[str]) -> str:
+def report(vehicle: Vehicle, found: list[Found], text: list[str]) -> str:
     """The Markdown report."""
     head = ["number", "unit", "file", "identified", "95 %"]
-    body = "\n".join(f"* {line}" for line in (told[0], *told[1 + len(rows_of(vehicle, found)) :]))
+    body = "\n".join(f"* {line}" for line in (text[0], *text[1 + len(rows_of(vehicle, found)) :]))
     return (
         f"# Waypoint square of {in_markdown(vehicle.name)}\n\n"
         f"Simulated. {in_markdown(vehicle.description)}\n\n"

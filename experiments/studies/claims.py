@@ -117,8 +117,8 @@ def judge(asked: Sequence[Hypothesis], rng: np.random.Generator) -> list[dict[st
         means = means / known.sum(axis=1)[known.any(axis=1)]
         found = crossed_mean(one.values, rng)
         p = sign_flip_test(means - one.bound, rng, greater=True) if len(means) else float("nan")
-        told = {what: value for what, value in vars(one).items() if what != "values"}
-        rows.append(told | asdict(found) | {"trials": int(known.sum()), "p": p})
+        fields = {what: value for what, value in vars(one).items() if what != "values"}
+        rows.append(fields | asdict(found) | {"trials": int(known.sum()), "p": p})
     for row, corrected in zip(rows, holm([row["p"] for row in rows]), strict=True):
         row["p_corrected"] = corrected
         row["verdict"] = verdict(row)

@@ -85,7 +85,7 @@ def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], 
         if not there:
             raise UserError(f"{home}: holds no trained pilot; train them with swamp-rl train")
         for name in there:
-            load_pilot(home / "pilots" / name)  # a damaged one is told now, and not from a copy
+            load_pilot(home / "pilots" / name)  # a damaged one is refused now, and not from a copy
         same = experiment == kept and ((home / TRAINED).is_file() or len(there) == len(kept.pilots))
         place = out or (home if same else home.with_name(f"{home.name}-evaluation"))
         return evaluated(restricted(experiment, there), home, place, home)
@@ -107,12 +107,12 @@ def _of_pilots(
     home = homes[0] if name is None else None
     with same_configs(None if home is None else home / CONFIG):
         base = load_experiment(homes[0] if name is None else name)
-        told: dict[str, Any] = {"name": "evaluation", "description": "", "hidden": None, "claims": None}
-        told["targets"] = Targets()
+        settings: dict[str, Any] = {"name": "evaluation", "description": "", "hidden": None, "claims": None}
+        settings["targets"] = Targets()
         if home is not None and (home / "data").is_dir():
             runs = str((home / "data").resolve())
-            told["data"] = base.data.model_copy(update={"folder": runs, "sha256": None})
-        bare = base.model_copy(update=told | {"pilots": {}})
+            settings["data"] = base.data.model_copy(update={"folder": runs, "sha256": None})
+        bare = base.model_copy(update=settings | {"pilots": {}})
         experiment = overridden("evaluate", bare, {**asked, "pilots": plans}, overrides)
         return evaluated(experiment, "evaluate", out, None)
 

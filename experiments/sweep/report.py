@@ -90,8 +90,8 @@ def rows(sweep: Sweep, trials: Sequence[Mapping[str, Any]], measured: Mapping[st
 
     def outcome(trial: Mapping[str, Any]) -> list[str]:
         if trial["summary"] is None:
-            told = ["failed", measured[str(trial["trial"])]["error"]]
-            return told if _measures(sweep) else [": ".join(told)]
+            cells = ["failed", measured[str(trial["trial"])]["error"]]
+            return cells if _measures(sweep) else [": ".join(cells)]
         value = "—" if trial["value"] is None else f"{trial['value']:.4g}"
         return [*(value for _ in _measures(sweep)), rate(trial["summary"])]
 

@@ -101,8 +101,8 @@ def _say_notes(sweep: Sweep, base: Experiment, folder: Path) -> None:
         return
     scene = read_scene(cut_down(base, sweep.objective))
     with quiet() as progress:
-        told = notes(scene, get_data(scene, folder, progress))
-    for line in told:
+        lines = notes(scene, get_data(scene, folder, progress))
+    for line in lines:
         say(line)
 
 

@@ -26,9 +26,9 @@ def warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
     outside = starts_outside(scene, runs)
     if outside == 0.0:
         return None
-    said = "no run covers the starts of the evaluation" if outside == 1.0 else "not every start is covered"
+    message = "no run covers the starts of the evaluation" if outside == 1.0 else "not every start is covered"
     return (
-        f"pilots.{name}: {said}: {100.0 * outside:.0f} % of the evaluation's starts are more than "
+        f"pilots.{name}: {message}: {100.0 * outside:.0f} % of the evaluation's starts are more than "
         f"{scene.boat.length:g} m from the {len(runs)} training runs; record runs from the start of "
         f"{scene.course.name} on"
     )
@@ -37,7 +37,7 @@ def warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
 def calm_warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
     """One line where most of the runs that the pilot of that name learns from met no disturbance, and it is
     to be evaluated at levels with some; else None. Runs that do not tell theirs do not count as calm."""
-    rough = [told for told, level in scene.levels.items() if _disturbs(level)]
+    rough = [level_name for level_name, level in scene.levels.items() if _disturbs(level)]
     calm = sum(run.meta.disturbances in ([], "calm") for run in runs)
     if not rough or 2 * calm <= len(runs):
         return None

@@ -41,7 +41,7 @@ def run_faults(scene: Scene, dataset: Dataset) -> list[str]:
             "and time of joy_thrust and joy_angle",
         ),
     )
-    return [f"{dataset.folder}: {_of(runs, good)} {told}" for runs, told in found if runs]
+    return [f"{dataset.folder}: {_of(runs, good)} {message}" for runs, message in found if runs]
 
 
 def _of(runs: Sequence[Run], among: Sequence[Run]) -> str:

@@ -26,8 +26,8 @@ MLFLOW: dict[str, str] = {
     "MLFLOW_HTTP_REQUEST_MAX_RETRIES": "2",
     "MLFLOW_HTTP_REQUEST_TIMEOUT": "10",
 }
-"""Unless the environment says otherwise: nothing is sent but to the store, and a server that is down is told
-after seconds and not minutes."""
+"""Unless the environment says otherwise: nothing is sent but to the store, and a server that is down is
+reported after seconds and not minutes."""
 
 
 @contextmanager
@@ -93,7 +93,7 @@ def _without_its_tracebacks(stack: ExitStack) -> None:
 
 @cache
 def _summary_writer() -> Any:
-    """The class that writes event files; None, said once a process, where TensorBoard is not installed."""
+    """The class that writes event files; None, logged once a process, where TensorBoard is not installed."""
     try:
         from torch.utils.tensorboard import SummaryWriter
     except ImportError:

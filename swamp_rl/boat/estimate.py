@@ -105,13 +105,13 @@ def boat_file(
     sizes = _sizes(kind, length, breadth, mass, thrust, top_speed, draught)
     if faults := implausible_sizes(sizes):
         raise UserError(of_sizes(": ".join(faults[0])))
-    told = "given" if top_speed is not None else "where R = 0.9 m g Fn³, SWAMP's tank"
+    source = "given" if top_speed is not None else "where R = 0.9 m g Fn³, SWAMP's tank"
     thrusters = thrusters_of(kind, sizes)
     return {
         "name": name,
         **_particulars(sizes, draught is None),
         "hull": _hull(sizes),
-        "resistance": resistance_section(kind, sizes, told),
+        "resistance": resistance_section(kind, sizes, source),
         "thrusters": thrusters,
         "wind": default_wind(length, breadth),
         "current": default_current(length, breadth, sizes.draught),
@@ -120,7 +120,7 @@ def boat_file(
 
 
 def of_sizes(fault: str) -> str:
-    """What is wrong with a boat's numbers, as told of the sizes that they were estimated from."""
+    """What is wrong with a boat's numbers, in terms of the sizes that they were estimated from."""
     options = "--length, --breadth, --draught, --mass, --thrust and --top-speed"
     return f"these sizes: {fault.partition('; check ')[0]}; check {options}"
 
@@ -145,12 +145,12 @@ def _particulars(sizes: Sizes, floats: bool) -> dict[str, Any]:
     length, breadth, draught, mass = sizes[:4]
     inertia = mass * (GYRATION * length) ** 2
     surge, sway, yaw = added_masses(mass, length, breadth, draught)
-    told = f"floats at C_B = {BLOCK:g}, small craft 0.35 to 0.65" if floats else GIVEN
+    source = f"floats at C_B = {BLOCK:g}, small craft 0.35 to 0.65" if floats else GIVEN
     lamb = "Lamb 1932, ellipsoid of L, B, d"
     return {
         "length": assumed(length, "m", GIVEN, 0.02 * length),
         "breadth": assumed(breadth, "m", GIVEN, 0.02 * breadth),
-        "draught": assumed(draught, "m", told, (0.25 if floats else 0.05) * draught),
+        "draught": assumed(draught, "m", source, (0.25 if floats else 0.05) * draught),
         "mass": assumed(mass, "kg", GIVEN, 0.05 * mass),
         "inertia_z": assumed(inertia, "kg m2", "radius of gyration 0.25 L, ITTC", 0.3 * inertia),
         "x_g": assumed(0.0, "m", "ours, amidships", 0.03 * length),

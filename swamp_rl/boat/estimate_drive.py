@@ -80,9 +80,9 @@ def resistance_section(kind: str, sizes: Sizes, source: str) -> dict[str, Any]:
     if kind == "propeller-rudder":
         left = _thrust_at_speed(sizes)
     ahead = left / (0.5 * sizes.water_density * sizes.length * sizes.draught * sizes.speed**2)
-    told = f"what is left of the thrust at the top speed, {source}"
+    origin = f"what is left of the thrust at the top speed, {source}"
     return {
-        "x_0_ahead": assumed(-ahead, "1", told, 0.4 * ahead),
+        "x_0_ahead": assumed(-ahead, "1", origin, 0.4 * ahead),
         "x_0_astern": assumed(-1.5 * ahead, "1", "ours, 1.5 times x_0_ahead", 0.6 * ahead),
     }
 

@@ -105,7 +105,7 @@ def _validated(
 
 
 def _refuse(faults: Iterable[tuple[str, str]], origins: Mapping[Key, tuple[Path, Any]], asked: Path) -> None:
-    """UserError with a line for each fault, by dotted key; one that thrusters share is told of the first."""
+    """UserError with a line for each fault, by dotted key; one that thrusters share names the first."""
     lines: dict[tuple[str, ...], list[str]] = {}
     for dotted, message in faults:
         key = tuple(dotted.split("."))
@@ -118,7 +118,7 @@ def _refuse(faults: Iterable[tuple[str, str]], origins: Mapping[Key, tuple[Path,
         else:
             lines[alike] = [f"{file}: {dotted + ': ' if dotted else ''}{message}"]
     if lines:
-        raise UserError("\n".join(_with_others(*told) for told in lines.values()))
+        raise UserError("\n".join(_with_others(*fault) for fault in lines.values()))
 
 
 def _with_others(line: str, *others: str) -> str:
@@ -153,8 +153,8 @@ def _provenance(boat: Boat, origins: Mapping[Key, tuple[Path, Any]]) -> dict[str
         path, leaf = origin
         if is_quantity(leaf):
             sd = leaf.get(SPREAD)
-            told = (leaf["provenance"], leaf["source"], tuple(sd) if isinstance(sd, list) else sd)
-            found[".".join(key)] = Provenance(unit, *told)
+            fields = (leaf["provenance"], leaf["source"], tuple(sd) if isinstance(sd, list) else sd)
+            found[".".join(key)] = Provenance(unit, *fields)
         else:
             found[".".join(key)] = Provenance(unit, "assumed", f"set in {path.name}")
     return found

@@ -20,10 +20,10 @@ def out_of_range(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         found = [one for one in _numbers(value) if one and not LEAST <= abs(one) <= MOST]
         found += [one for one in _numbers(spread) if abs(one) > MOST]
         if found:
-            told = f"{found[0]:.6g}" if isinstance(found[0], float) else "an integer of many digits"
+            number = f"{found[0]:.6g}" if isinstance(found[0], float) else "an integer of many digits"
             yield (
                 ".".join(key),
-                f"{told} is out of range: numbers are 0 or {LEAST:g} to {MOST:g}; check the unit",
+                f"{number} is out of range: numbers are 0 or {LEAST:g} to {MOST:g}; check the unit",
             )
 
 

@@ -65,9 +65,9 @@ class Fitted:
 
 
 def identified_mapping(
-    boat: Boat, name: str, fitted: Sequence[Fitted], told_from: str, level: float = 1.0
+    boat: Boat, name: str, fitted: Sequence[Fitted], fitted_to: str, level: float = 1.0
 ) -> dict[str, Any]:
-    """The boat file of a fit; told_from: the dataset's name, for the sources; level: of the thrust [1].
+    """The boat file of a fit; fitted_to: the dataset's name, for the sources; level: of the thrust [1].
 
     A number that the data show has provenance `fitted`; another one keeps its own. What the start boat's
     effects do to numbers that were fitted is in those numbers.
@@ -81,15 +81,15 @@ def identified_mapping(
         if one.number.name.startswith("effects."):
             _add_effect(made["effects"], boat, one)
         else:
-            _set_number(made, boat, one, told_from)
+            _set_number(made, boat, one, fitted_to)
     _scale_thrust(made["effects"], level)
     if not made["effects"]:
         del made["effects"]
     made.pop("covariance", None)
-    return made | ({"covariance": _covariance(fitted, told_from)} if fitted else {})
+    return made | ({"covariance": _covariance(fitted, fitted_to)} if fitted else {})
 
 
-def _covariance(fitted: Sequence[Fitted], told_from: str) -> dict[str, Any]:
+def _covariance(fitted: Sequence[Fitted], fitted_to: str) -> dict[str, Any]:
     rows = [one.jointly or (*(0.0,) * i, one.sd**2) for i, one in enumerate(fitted)]
     sd = [math.sqrt(row[-1]) for row in rows]
     correlation = [
@@ -97,7 +97,7 @@ def _covariance(fitted: Sequence[Fitted], told_from: str) -> dict[str, Any]:
         for i, row in enumerate(rows)
     ]
     return {
-        "source": f"identified from {told_from}",
+        "source": f"identified from {fitted_to}",
         "numbers": [one.number.name for one in fitted],
         "standard_errors": [_rounded(size) for size in sd],
         "correlation": correlation,
@@ -127,30 +127,30 @@ def _add_effect(effects: list[dict[str, Any]], boat: Boat, one: Fitted) -> None:
     effects.append({"effect": effect, **selector, parameter: _rounded(one.value)})
 
 
-def _set_number(made: dict[str, Any], boat: Boat, one: Fitted, told_from: str) -> None:
+def _set_number(made: dict[str, Any], boat: Boat, one: Fitted, fitted_to: str) -> None:
     """Put one number into the mapping, in every thruster that shares it."""
     keys = one.number.name.split(".")
     if keys == ["resistance", "table"]:
-        _scale_table(made["resistance"], one, told_from)
+        _scale_table(made["resistance"], one, fitted_to)
         return
     if keys[0] != "thrusters":
-        _replace(_inside(made, keys[:-1]), keys[-1], one, told_from)
+        _replace(_inside(made, keys[:-1]), keys[-1], one, fitted_to)
         return
     for k in one.number.thrusters or ():
         section = next(item for item in made["thrusters"] if item["name"] == boat.thruster_names[k])
-        _replace_part(section, keys[2:], one, told_from)
+        _replace_part(section, keys[2:], one, fitted_to)
 
 
-def _replace_part(section: dict[str, Any], keys: list[str], one: Fitted, told_from: str) -> None:
+def _replace_part(section: dict[str, Any], keys: list[str], one: Fitted, fitted_to: str) -> None:
     if one.number.element is None:
-        _replace(_inside(section, keys[:-1]), keys[-1], one, told_from)
+        _replace(_inside(section, keys[:-1]), keys[-1], one, fitted_to)
         return
     inside, key, index = _inside(section, keys[:-2]), keys[-2], int(keys[-1])
     values = list(inside[key]["value"])
     values[index] = _rounded(one.value)
     source = inside[key]["source"] if inside[key]["provenance"] == "fitted" else ""
-    told = _source(one, told_from) if told_from not in source else f"{source}; {_errors(one)}"
-    inside[key] = {**inside[key], "value": values, "provenance": "fitted", "source": told}
+    new_source = _source(one, fitted_to) if fitted_to not in source else f"{source}; {_errors(one)}"
+    inside[key] = {**inside[key], "value": values, "provenance": "fitted", "source": new_source}
 
 
 def _inside(section: dict[str, Any], keys: list[str]) -> dict[str, Any]:
@@ -159,7 +159,7 @@ def _inside(section: dict[str, Any], keys: list[str]) -> dict[str, Any]:
     return section
 
 
-def _replace(section: dict[str, Any], key: str, one: Fitted, told_from: str) -> None:
+def _replace(section: dict[str, Any], key: str, one: Fitted, fitted_to: str) -> None:
     given = section.get(key)
     if isinstance(given, dict) and isinstance(given["value"], list):  # all of them scaled by one factor
         value: Any = [_rounded(item * one.value) for item in given["value"]]
@@ -170,22 +170,22 @@ def _replace(section: dict[str, Any], key: str, one: Fitted, told_from: str) -> 
         own = isinstance(given["value"], list) or math.isclose(given["value"], one.number.start)
         origin = {} if own else {"provenance": "assumed", "source": "the start file with its effects"}
         section[key] = {**given, "value": value} | origin
-        section[key]["source"] += f"; not identifiable from {told_from}"
+        section[key]["source"] += f"; not identifiable from {fitted_to}"
         return
     section[key] = {
         "value": value,
         "unit": one.number.unit,
         "provenance": "fitted",
-        "source": _source(one, told_from),
+        "source": _source(one, fitted_to),
         SPREAD: sd,
     }
 
 
-def _scale_table(resistance: dict[str, Any], one: Fitted, told_from: str) -> None:
+def _scale_table(resistance: dict[str, Any], one: Fitted, fitted_to: str) -> None:
     for curve in resistance["table"]:
         given = curve["resistance"]
         values = [_rounded(item * one.value) for item in given["value"]]
-        source = f"{given['source']}, times {one.value:.4g}; {_source(one, told_from)}"
+        source = f"{given['source']}, times {one.value:.4g}; {_source(one, fitted_to)}"
         sd = [_rounded(abs(item) * one.standard_error) for item in given["value"]]
         curve["resistance"] = {"value": values, "unit": given["unit"], "provenance": "fitted"}
         curve["resistance"] |= {"source": source, SPREAD: sd}
@@ -195,5 +195,5 @@ def _errors(one: Fitted) -> str:
     return f"standard error {one.standard_error:.2g}"
 
 
-def _source(one: Fitted, told_from: str) -> str:
-    return f"identified from {told_from}, {_errors(one)}, prior {one.prior_sd:.2g}"
+def _source(one: Fitted, fitted_to: str) -> str:
+    return f"identified from {fitted_to}, {_errors(one)}, prior {one.prior_sd:.2g}"

@@ -163,7 +163,7 @@ def _written(
     part: Path, dataset: Path, name: str, boat: Boat, numbers: list[Fitted], level: ThrustLevel
 ) -> Boat:
     """The boat of the file with these numbers and this level of the thrust, written to `part`."""
-    mapping = identified_mapping(boat, name, numbers, _told(dataset), level.mean)
+    mapping = identified_mapping(boat, name, numbers, _label(dataset), level.mean)
     part.write_text(yaml_text(mapping), encoding="utf-8")
     return _loaded(part, dataset)
 
@@ -192,7 +192,7 @@ def _loaded(part: Path, dataset: Path) -> Boat:
         ) from error
 
 
-def _told(dataset: Path) -> str:
+def _label(dataset: Path) -> str:
     return dataset.resolve().name or "runs"
 
 

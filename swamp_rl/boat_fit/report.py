@@ -62,26 +62,26 @@ def page_of(found: Identification) -> str:
 def summary(found: Identification) -> list[str]:
     """What was found, in sentences."""
     shown = sum(one.shown for one in found.fitted)
-    said = [
+    lines = [
         f"{shown} of {len(found.fitted)} numbers are fitted to the runs; the others keep their prior.",
         *left_out(found.wiring.boat, found.fitted),
         *(f"Commands: {change}. {WIRED}" for change in found.wiring.changes),
     ]
     if found.wiring.advance > 0.0:
-        said.append(
+        lines.append(
             f"Commands are stamped {found.wiring.advance:g} s after the motion that they cause. They were "
             "taken that much earlier. A boat file has no parameter for it: import the runs again with "
             f"--commands-earlier {found.wiring.advance:g}."
         )
     if found.level.standard_error > 0.0:
         level = f"{found.level.mean:.3f} ± {found.level.standard_error:.3f} (one standard error)"
-        said.append(
+        lines.append(
             f"The thrust of the fit is multiplied by {level}, the mean of the runs that it is fitted to "
             "(effect `thrust_scale`)."
         )
-    said += unlike_runs(found)
-    said += far_from_start(found.fitted)
-    said += [prediction_sentence(found), start_sentence(found.before, found.predicted)]
+    lines += unlike_runs(found)
+    lines += far_from_start(found.fitted)
+    lines += [prediction_sentence(found), start_sentence(found.before, found.predicted)]
     if found.alike:
         errors = "; ".join(
             f"{one.horizon_s:g} s ahead {one.boat_file:.3g} m ("
@@ -91,8 +91,8 @@ def summary(found: Identification) -> list[str]:
         )
         worse = not_better(found.alike)
         better = f"not better than {' and '.join(worse)}" if worse else "better than each of these"
-        said.append(f"Without gains, on the held-out runs of usual thrust, it is {better}: {errors}.")
-    return said
+        lines.append(f"Without gains, on the held-out runs of usual thrust, it is {better}: {errors}.")
+    return lines
 
 
 def left_out(boat: Boat, fitted: Sequence[Fitted]) -> list[str]:
@@ -144,7 +144,7 @@ def gains_sentence(found: Identification) -> str:
         name: ", ".join(f"{one.position:.3g} m at {one.horizon_s:g} s" for one in errors) or "none finite"
         for name, errors in found.recent_training.items()
     }
-    errors = "; ".join(f"{GAINS[name]}: {told}" for name, told in tried.items())
+    errors = "; ".join(f"{GAINS[name]}: {error}" for name, error in tried.items())
     use = "not used" if found.gains == "none" else f"used: {GAINS[found.gains]}"
     return (
         f"Gains of the thrust from the past of the same run are {use}. They are chosen by the errors on the "
@@ -183,17 +183,17 @@ def far_from_start(fitted: Sequence[Fitted]) -> list[str]:
     if not far:
         return []
     named = ", ".join(f"{one.number.name} ({one.distance:.1f})" for one in far)
-    said = [
+    lines = [
         f"More than {FAR:g} standard deviations of the prior from the start file: {named}. There "
         "the start file is wrong or its `sd` too small, or the motion has a cause without a number in a boat "
         "file, which `swamp-rl diagnose` seeks."
     ]
     if ended := [one.number.name for one in far if one.distance > 0.999 * FARTHEST]:
-        said.append(
+        lines.append(
             f"At the bound of the fit, {FARTHEST:g} standard deviations of the prior: {', '.join(ended)}. "
             "The value is that of the bound, not of the runs: the prior or the model is wrong."
         )
-    return said
+    return lines
 
 
 def not_better(errors: Sequence[Predictors]) -> list[str]:
@@ -235,9 +235,9 @@ def error_rows(found: Identification) -> list[tuple[str, ...]]:
     rows = []
     for now, alone in zip(found.predicted, found.after, strict=True):
         own = [one.boat_file for one in ([now] if found.gains == "none" else [now, alone])]
-        told = [f"{error:.3g}" if np.isfinite(error) else "diverges" for error in own]
+        cells = [f"{error:.3g}" if np.isfinite(error) else "diverges" for error in own]
         trivial = [f"{getattr(now, name):.3g}" for name in TRIVIAL]
-        rows.append((f"{now.horizon_s:g} s", before.get(now.horizon_s, "diverges"), *told, *trivial))
+        rows.append((f"{now.horizon_s:g} s", before.get(now.horizon_s, "diverges"), *cells, *trivial))
     return rows
 
 
@@ -283,5 +283,5 @@ def next_runs(found: Identification) -> list[str]:
     for one in found.fitted:
         if not one.shown:
             lacking.setdefault(one.number.trial, []).append(one.number.name)
-    said = [f"{trial}: for {', '.join(names)}" for trial, names in lacking.items()]
-    return [*said, *missing_motion(found.data.training, False)] or ["The runs show every number."]
+    lines = [f"{trial}: for {', '.join(names)}" for trial, names in lacking.items()]
+    return [*lines, *missing_motion(found.data.training, False)] or ["The runs show every number."]

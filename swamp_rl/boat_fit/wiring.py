@@ -108,7 +108,7 @@ def search_wiring(run_set: RunSet, noise: Array, positions: bool = False) -> Wir
         advance = round(earlier - delay, 2)
         x = other.copy()
         x[trial.delay_column(boat)] = 0.0
-    return Wiring(boat, tuple(said for said, _ in taken), advance, x)
+    return Wiring(boat, tuple(description for description, _ in taken), advance, x)
 
 
 def _begin(offset: float) -> tuple[float, float]:

@@ -166,7 +166,7 @@ def examine(
         leftover = residual_force_functions(rest, weight, models if own else models[:1])
         extension = extend_by_force(without_process_noise(rest), weight, written, leftover, on, rng)
     predicting = continuation.problem(found.stage, written.hypothesis), written
-    if extension and extension.told.written:
+    if extension and extension.result.written:
         predicting = extension.problem, extension.fit
 
     hidden = hidden_effects(run_set, weight, judged, found, [*every, *([hull] if hull else [])])
@@ -180,7 +180,7 @@ def examine(
         return contrast(judged, found.winner, one, apart, causes)
 
     verdict, lacks = verdict_of(found, listed), missing_motion(run_set, other is not None)
-    told = extension.told if extension else None
+    extended = extension.result if extension else None
     diagnosis = Diagnosis(
         verdict=verdict,
         predictors=trivial_predictors(on.run_set, on.weight),
@@ -192,8 +192,8 @@ def examine(
         contrasts=[rival(one) for one in found.rivals],
         separating_trial=separating_manoeuvre(with_noise, sigmas, found.winner, found.rivals),
         leftover=leftover,
-        extension=told,
-        next_steps=next_steps(run_set.boat, leftover, told, lacks) if verdict == "unexplained" else [],
+        extension=extended,
+        next_steps=next_steps(run_set.boat, leftover, extended, lacks) if verdict == "unexplained" else [],
         candidates=_candidates(continuation, found, rng),
         hypotheses=sum(bool(one.hypothesis.instances) for one in found.tried),
         discrete=[one.hypothesis.label for one in found.tried if not one.hypothesis.size],
@@ -209,7 +209,7 @@ def examine(
         elapsed_s=time.perf_counter() - began,
     )
     trial = _next_trial(with_noise, sigmas, judged, found, limits, rng) if limits else None
-    diagnosis.next_trial = trial.told if trial else None
+    diagnosis.next_trial = trial.result if trial else None
     return Finding(diagnosis, run_set, weight, continuation, found, written, extension, trial)
 
 

@@ -47,12 +47,12 @@ def card(scene: DemoScene) -> list[Line]:
         figures = [_figures(item, scene, len(steps) == 1) for item in fleet.shown]
         if scene.few:
             lines += [
-                Line(fleet.colour, (scene.called(item), _outcome(item.run), *_told(one)))
+                Line(fleet.colour, (scene.called(item), _outcome(item.run), *_texts(one)))
                 for item, one in zip(fleet.shown, figures, strict=True)
             ]
         else:
             medians = [_median(column) for column in zip(*figures, strict=True)]
-            lines.append(Line(fleet.colour, (fleet.path[-1], _outcomes(fleet), *_told(medians))))
+            lines.append(Line(fleet.colour, (fleet.path[-1], _outcomes(fleet), *_texts(medians))))
     return lines
 
 
@@ -82,7 +82,7 @@ def _median(values: Sequence[float | None]) -> float | None:
     return float(np.median(known)) if known else None
 
 
-def _told(values: Sequence[float | None]) -> tuple[str, ...]:
+def _texts(values: Sequence[float | None]) -> tuple[str, ...]:
     return tuple(
         NONE if value is None else f"{value:.{digits}f}" for value, digits in zip(values, DIGITS, strict=True)
     )

@@ -14,10 +14,10 @@ DIGITS = 9
 
 @dataclass(frozen=True)
 class Conditions:
-    """`same`: one start and one weather for all; `said`: that in one line, empty where nothing is known."""
+    """`same`: one start and one weather for all; `sentence`: that in words, empty where unknown."""
 
     same: bool
-    said: str
+    sentence: str
 
 
 def conditions(runs: Sequence[Run], one_boat: bool = True) -> Conditions:

@@ -71,8 +71,8 @@ def blueprint(scene: DemoScene, layout: Layout, panels: Mapping[str, Panel]) -> 
     right = rrb.Vertical(
         _space(scene), rrb.Grid(*plots, grid_columns=2), row_shares=[4, 1.6 * ((len(plots) + 1) // 2)]
     )
-    told = rrb.TextDocumentView(origin=RESULT, name="weather, and at the end the result")
-    left = rrb.Vertical(chart, told, row_shares=[5.0, 2.3])
+    texts = rrb.TextDocumentView(origin=RESULT, name="weather, and at the end the result")
+    left = rrb.Vertical(chart, texts, row_shares=[5.0, 2.3])
     return rrb.Blueprint(
         rrb.Horizontal(left, right, column_shares=[5, 6]),
         rrb.TimePanel(timeline=TIMELINE, state="collapsed", loop_mode="all"),

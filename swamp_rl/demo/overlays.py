@@ -15,7 +15,7 @@ from swamp_rl.demo.weather import INK, flows
 Moving = tuple[Any, Any, Callable[[int], None]]
 """Axes, artist, and what brings it to the i-th time."""
 DRAWN = 11.0
-"Half the length of an arrow [pixels]; its speed is told in numbers."
+"Half the length of an arrow [pixels]; the speed is written beside it."
 LINE = 1.9
 "Height of a line of text, in its font's sizes."
 PAPER = "#fbfcfd"
@@ -36,7 +36,7 @@ def weather(axes: Any, scene: DemoScene, shown: Sequence[Shown], times: Array) -
         middle = np.array([box.x1 - 2.0 * DRAWN, box.y0 + (row + 1.0) * height])
         tips = DRAWN * np.column_stack([np.cos(angle), np.sin(angle)])
         colour = fractions(INK[flow.name])
-        told = axes.text(
+        label = axes.text(
             middle[0] - 1.8 * DRAWN,
             middle[1],
             "",
@@ -65,7 +65,7 @@ def weather(axes: Any, scene: DemoScene, shown: Sequence[Shown], times: Array) -
         digits = 1 if flow.name == "wind" else 2
 
         lines = [f"{whose}{flow.name} {one:.{digits}f} m/s" for one in speed]
-        yield axes, told, partial(_tell, told, lines)
+        yield axes, label, partial(_tell, label, lines)
         yield axes, arrow, partial(_turn, arrow, middle, tips)
 
 

@@ -29,15 +29,15 @@ def write_page(path: Path | str, scene: DemoScene, layout: Layout = "overlay") -
 
 def page(scene: DemoScene, layout: Layout = "overlay") -> str:
     """The page's text. Names are data to it, never markup."""
-    told = json.dumps(_told(scene, layout), ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    data = json.dumps(_data(scene, layout), ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     # Within a script element only these could end it or begin a comment.
     for mark in "<>&":
-        told = told.replace(mark, f"\\u{ord(mark):04x}")
+        data = data.replace(mark, f"\\u{ord(mark):04x}")
     before, after = TEMPLATE.read_text(encoding="utf-8").split("/*DATA*/")
-    return before.replace("<!--TITLE-->", html.escape(scene.title)) + told + after
+    return before.replace("<!--TITLE-->", html.escape(scene.title)) + data + after
 
 
-def _told(scene: DemoScene, layout: Layout) -> dict[str, Any]:
+def _data(scene: DemoScene, layout: Layout) -> dict[str, Any]:
     return {
         "title": scene.title,
         "about": scene.about,

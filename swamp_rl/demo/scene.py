@@ -76,7 +76,7 @@ class DemoScene:
     def about(self) -> str:
         """Who is shown, in what weather, and what they do at one time: a line."""
         who = ", ".join(f"{sum(one.group == group for one in self.shown)} {group}" for group in self.groups)
-        return "; ".join(filter(None, [who, self.conditions.said, self.aligned]))
+        return "; ".join(filter(None, [who, self.conditions.sentence, self.aligned]))
 
     @property
     def few(self) -> bool:
@@ -120,7 +120,7 @@ class DemoScene:
         return float(south - room), float(north + room), float(west - room), float(east + room)
 
     def called(self, item: Shown) -> str:
-        """A boat's name: who drives it, where that is the only one of theirs; a person's nickname if told."""
+        """A boat's name: who drives it, where that is the only one of theirs; a nickname if given."""
         nickname = (item.run.meta.model_extra or {}).get("nickname")
         alone = sum(other.group == item.group for other in self.shown) == 1
         if alone:
@@ -159,8 +159,8 @@ def demo_scene(
     at_gate = [first_gate_time(item.run, course) for item in shown]
     latest = max(at_gate, default=0.0)
     shown = [replace(item, start=latest - passed) for item, passed in zip(shown, at_gate, strict=True)]
-    said = f"all are at the gate {course.gates[0].name} at {latest:.1f} s"
-    return replace(together, shown=tuple(shown), aligned=said)
+    sentence = f"all are at the gate {course.gates[0].name} at {latest:.1f} s"
+    return replace(together, shown=tuple(shown), aligned=sentence)
 
 
 def first_gate_time(run: Run, course: Course) -> float:

@@ -38,16 +38,16 @@ class _Server(ThreadingHTTPServer):
     daemon_threads = True
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """A reader that went away is not told of."""
+        """A reader that closed its connection is not logged."""
 
 
 class _Handler(BaseHTTPRequestHandler):
     timeout = IDLE
     server_version, sys_version = "swamp-rl", ""
 
-    def __init__(self, path: Path, where: str, origin: str, *told: Any) -> None:
+    def __init__(self, path: Path, where: str, origin: str, *arguments: Any) -> None:
         self._file, self._where, self._origin = path, where, origin
-        super().__init__(*told)
+        super().__init__(*arguments)
 
     def do_HEAD(self) -> None:
         self._answer(with_content=False)
@@ -75,5 +75,5 @@ class _Handler(BaseHTTPRequestHandler):
             if with_content:
                 shutil.copyfileobj(content, self.wfile)
 
-    def log_message(self, format: str, *told: Any) -> None:
-        """Requests are not told of."""
+    def log_message(self, format: str, *arguments: Any) -> None:
+        """Requests are not logged."""

@@ -117,8 +117,8 @@ def _pictures(
         cursors = [axes.axvline(0.0, color="#17324a", lw=1.2, animated=True) for axes in plots]
         clock = figure.text(0.985, 0.955, "", ha="right", size="x-large", animated=True)
         figure.text(0.015, 0.955, scene.title, weight="bold", size="x-large", parse_math=False)
-        figure.text(0.015, 0.91, scene.conditions.said, color="#546a7d", size="large", parse_math=False)
-        told = end_card(figure, scene)
+        figure.text(0.015, 0.91, scene.conditions.sentence, color="#546a7d", size="large", parse_math=False)
+        card = end_card(figure, scene)
         _legend(figure, scene)
         canvas.draw()
         still = canvas.copy_from_bbox(figure.bbox)
@@ -133,7 +133,7 @@ def _pictures(
             clock.set_text(f"{time:.1f} s")
             figure.draw_artist(clock)
             yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
-        for artist in told:
+        for artist in card:
             figure.draw_artist(artist)
         for _ in range(ending):
             yield np.asarray(canvas.buffer_rgba())[..., :3].copy()

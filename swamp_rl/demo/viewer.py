@@ -90,8 +90,8 @@ def _wait_for(server: subprocess.Popen[str], port: int) -> None:
     until = time.monotonic() + PATIENCE
     while True:
         if server.poll() is not None:
-            said = (server.communicate()[0] or "").strip().splitlines()
-            raise UserError(f"rerun's server exited at once: {said[-1] if said else 'no message'}")
+            output = (server.communicate()[0] or "").strip().splitlines()
+            raise UserError(f"rerun's server exited at once: {output[-1] if output else 'no message'}")
         if time.monotonic() > until:
             raise UserError(f"rerun's server did not listen within {PATIENCE:g} s; try again, or --save")
         with socket.socket() as probe:

@@ -23,7 +23,7 @@ from swamp_rl.boat.part import FILLED, FROM_LIST, NAME, POSITIVE, WATER, Part
 from swamp_rl.boat.quantity import Unit
 from swamp_rl.boat.resistance import TankResistance
 from swamp_rl.design.read import computable, read_design
-from swamp_rl.errors import UserError, told_of
+from swamp_rl.errors import UserError, errors_at
 from swamp_rl.manoeuvres.captive import resistance_at
 
 Advance = TypeVar("Advance", float, NDArray[np.float64])
@@ -168,7 +168,7 @@ def drag_of(design: MatchDesign) -> Drag:
     """Drag of the vehicle; UserError where its boat was never towed."""
     vehicle = design.vehicle
     if vehicle.boat is not None:
-        with told_of(f"{design.name}: vehicle.boat"):
+        with errors_at(f"{design.name}: vehicle.boat"):
             boat = load_boat(vehicle.boat)
         return Drag(lambda speed: resistance_at(boat, speed), *_known_speeds(boat), boat.water_density)
     density = design.water_density
@@ -254,9 +254,9 @@ def _searched(design: MatchDesign, drag: Drag, onboard: float) -> float:
     grid = np.linspace(drag.low, drag.high, GRID)
     best = int(np.argmin([spent(float(speed)) for speed in grid]))
     if best in (0, GRID - 1):
-        told = "below" if best == 0 else "above"
+        side = "below" if best == 0 else "above"
         raise UserError(
-            f"{design.name}: no solution: with {onboard:g} W on board the best range lies {told} the towed "
+            f"{design.name}: no solution: with {onboard:g} W on board the best range lies {side} the towed "
             f"{drag.low:g} to {drag.high:g} m/s; change onboard_power"
         )
     beside = float(grid[best - 1]), float(grid[best + 1])

@@ -22,9 +22,9 @@ def computable(name: str) -> Iterator[None]:
     try:
         yield
     except ArithmeticError as error:
-        told = clipped(f"{type(error).__name__}: {error}", 100)
+        reason = clipped(f"{type(error).__name__}: {error}", 100)
         raise UserError(
-            f"{name}: cannot be computed ({told}); check the dimensions and their units"
+            f"{name}: cannot be computed ({reason}); check the dimensions and their units"
         ) from error
 
 
@@ -36,8 +36,8 @@ def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Mode
     path = find_config("designs", name_or_path)
     data = {"name": path.stem} | read_yaml(path)
     if data.get("design") != kind:
-        told = f"is {clipped(in_yaml(data['design']))}" if "design" in data else "is missing"
-        raise UserError(f"{path}: design: {told}; swamp-rl design {kind} takes files with design: {kind}")
+        message = f"is {clipped(in_yaml(data['design']))}" if "design" in data else "is missing"
+        raise UserError(f"{path}: design: {message}; swamp-rl design {kind} takes files with design: {kind}")
     if faults := list(out_of_range(data)):
-        raise UserError("\n".join(f"{path}: {key}: {told}" for key, told in faults))
+        raise UserError("\n".join(f"{path}: {key}: {message}" for key, message in faults))
     return validated(path, model, data)

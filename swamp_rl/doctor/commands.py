@@ -32,17 +32,17 @@ def other_boat_findings(runs: Sequence[Run], boat: Boat) -> list[Finding]:
     others = sorted(name for name in there if name.startswith(COMMANDS[:4]))
     if there & set(own) or not others:
         return []
-    told = f"are not of boat {boat.name}, whose commands are {', '.join(own)}"
+    message = f"are not of boat {boat.name}, whose commands are {', '.join(own)}"
     advice = "name the boat of these runs by --boat, or the columns by --map in runs import"
-    return [Finding("fault", "commands_missing", tuple(others), told, advice)]
+    return [Finding("fault", "commands_missing", tuple(others), message, advice)]
 
 
 def command_findings(runs: Sequence[Run]) -> list[Finding]:
     """Commands that are missing, never vary (a fault where none does), or are cut off below full command."""
     if runs and not any(is_command(name) for run in runs for name in run.columns):
-        told = "no run has a column of them"
+        message = "no run has a column of them"
         advice = "diagnose and identify boat need them; name them with --map in runs import"
-        return [Finding("note", "commands_missing", ("commands",), told, advice)]
+        return [Finding("note", "commands_missing", ("commands",), message, advice)]
     names = dict.fromkeys(name for run in runs for name in run.columns if is_command(name))
     joined = {
         name: np.concatenate([run.columns[name] for run in runs if name in run.columns]) for name in names
@@ -52,26 +52,26 @@ def command_findings(runs: Sequence[Run]) -> list[Finding]:
     found = []
     own = [name for name in joined if not name.startswith("joy_")] or list(joined)
     if own and set(own) <= set(constant):
-        told = "no command varies in any run"
+        message = "no command varies in any run"
         advice = "thrust and steering cannot be identified from them; check that commands were logged"
-        found.append(Finding("fault", "commands_constant", tuple(own), told, advice))
+        found.append(Finding("fault", "commands_constant", tuple(own), message, advice))
     elif still := [name for name in constant if name in own]:
-        told, its = ("never varies", "its") if len(still) == 1 else ("never vary", "their")
+        message, its = ("never varies", "its") if len(still) == 1 else ("never vary", "their")
         advice = f"{its} effect cannot be distinguished from that of the others"
-        found.append(Finding("note", "command_constant", tuple(still), told, advice))
+        found.append(Finding("note", "command_constant", tuple(still), message, advice))
     for name, values in joined.items():
         if name not in constant and (cut := _clipped(values)):
             level, share = cut
             if _lever_at_end(runs, name, level):
                 continue
-            told = f"is {level:.6g} in {share:.0%} of the rows, a level at which it is cut off"
+            message = f"is {level:.6g} in {share:.0%} of the rows, a level at which it is cut off"
             advice = "check the mapping (limits of the pulse width, clip()) and the logger's range"
             found.append(
                 Finding(
                     "fault",
                     "command_clipped",
                     (name,),
-                    told,
+                    message,
                     advice,
                     figures={"level": level, "share": share},
                 )

@@ -59,8 +59,10 @@ def missing_findings(runs: Sequence[Run]) -> list[Finding]:
     lacking = tuple(name for name in REQUIRED if name not in there)
     if not lacking or not there:
         return []
-    told = f"in no run, which have {clipped(', '.join(there))}"
-    return [Finding("fault", "columns_missing", lacking, told, "name them so, or give --map in runs import")]
+    message = f"in no run, which have {clipped(', '.join(there))}"
+    return [
+        Finding("fault", "columns_missing", lacking, message, "name them so, or give --map in runs import")
+    ]
 
 
 def _whole(run: Run) -> bool:

@@ -33,17 +33,17 @@ def filter_findings(runs: Sequence[Run], measured: bool) -> list[Finding]:
             drops[name] = drop
     if not drops:
         return []
-    told = "have no white noise floor: power density falls by a factor of " + ", ".join(
+    message = "have no white noise floor: power density falls by a factor of " + ", ".join(
         f"{float(f'{drop:.2g}'):,g} ({name})" for name, drop in drops.items()
     )
-    told += f" from {LOW[0]:g}-{LOW[1]:g} to {HIGH[0]:g}-{HIGH[1]:g} of the Nyquist frequency"
+    message += f" from {LOW[0]:g}-{LOW[1]:g} to {HIGH[0]:g}-{HIGH[1]:g} of the Nyquist frequency"
     advice = (
         "a filter or resampling smoothed them: log the raw sensor; intervals from white noise do not hold"
         if measured
         else "as simulated runs without sensor noise do"
     )
     level: Level = "fault" if measured else "note"
-    return [Finding(level, "filtered", tuple(drops), told, advice, figures=drops)]
+    return [Finding(level, "filtered", tuple(drops), message, advice, figures=drops)]
 
 
 def _whole(values: Array, name: str) -> Array:

@@ -10,21 +10,21 @@ Level = Literal["fault", "note"]
 class Finding:
     """`fault`: the data contradict themselves or the boat; `note`: a property that limits what they can show.
 
-    code: the check's name for it; columns: which it concerns; runs: in which, empty for all; told: what was
-    found, with figures; advice: what to do; figures: the statistics, SI.
+    code: the check's name for it; columns: which it concerns; runs: in which, empty for all; message: what
+    was found, with figures; advice: what to do; figures: the statistics, SI.
     """
 
     level: Level
     code: str
     columns: tuple[str, ...]
-    told: str
+    message: str
     advice: str
     runs: tuple[str, ...] = ()
     figures: dict[str, float] = field(default_factory=dict)
 
     def __str__(self) -> str:
         where = f"{', '.join(self.columns)}" + (f" ({', '.join(self.runs[:6])})" if self.runs else "")
-        return f"{self.level}: {self.code}: {where}: {self.told}; {self.advice}"
+        return f"{self.level}: {self.code}: {where}: {self.message}; {self.advice}"
 
     def as_json(self) -> dict[str, Any]:
         """Plain types."""

@@ -33,7 +33,7 @@ def finite_runs(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
     found = []
     for name, at in places.items():
         (first, row), names = at[0], tuple(run for run, _ in at)
-        told = f"holds no number, or one beyond {LARGEST:g}: first at row {row} of {first}"
+        message = f"holds no number, or one beyond {LARGEST:g}: first at row {row} of {first}"
         advice = "cut these rows (--bad-rows), or leave the channel out"
-        found.append(Finding("fault", "no_number", (name,), told, advice, names))
+        found.append(Finding("fault", "no_number", (name,), message, advice, names))
     return found, kept

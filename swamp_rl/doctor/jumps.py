@@ -39,13 +39,13 @@ def jump_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
         divided += [Run(run.name, {n: v[part] for n, v in run.columns.items()}, run.meta) for part in parts]
     if not names:
         return [], divided
-    told = f"jumps from one row to the next, first by {first}"
+    message = f"jumps from one row to the next, first by {first}"
     # `rate` spans two steps, of which one jumps.
     least = max(0.4 * slowest, 4.0 * fast)
     keep = f"keep=where(sqrt(rate(north)**2 + rate(east)**2) > {least:.3g}, 0, 1)"
     advice = f"divide the runs there: swamp-rl runs import, of this dataset, --map '{keep}'"
     columns, figures = ("north", "east"), {"longest_jump_m": longest}
-    return [Finding("fault", "position_jump", columns, told, advice, tuple(names), figures)], divided
+    return [Finding("fault", "position_jump", columns, message, advice, tuple(names), figures)], divided
 
 
 def _steps(run: Run) -> tuple[Array, Array, float]:

@@ -18,7 +18,7 @@ BETTER = 0.15
 """By how much the resultant of course plus heading must pass that of course minus heading."""
 LARGEST_DRIFT = math.radians(30.0)
 """A boat's mean drift angle over whole runs stays below it; ENU, astern and magnetic mistakes of heading are
-larger or cannot be told from drift."""
+larger or cannot be distinguished from drift."""
 TIED = 0.7
 """Correlation from which the ratio of two records is a unit: half of the variance is common."""
 SPEEDS = {"kn": 1.0 / KNOT, "km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0, "ft/s": 1.0 / FOOT}
@@ -69,10 +69,10 @@ def _heading_against_course(motions: Sequence[Motion]) -> tuple[list[Finding], l
         return [mirrored], corrected
     angle = cmath.phase(difference)
     if abs(difference) > ALIGNED and abs(angle) > LARGEST_DRIFT:
-        told = f"course over ground minus heading is {math.degrees(angle):+.0f} degrees on average"
+        message = f"course over ground minus heading is {math.degrees(angle):+.0f} degrees on average"
         advice = "check what its zero is (north, east, the stern), or whether north and east changed sign"
         finding = Finding(
-            "fault", "heading_offset", ("heading",), told, advice, figures=figures | {"offset_rad": angle}
+            "fault", "heading_offset", ("heading",), message, advice, figures=figures | {"offset_rad": angle}
         )
         return [finding], [
             one.with_heading(one.direction * cmath.exp(1j * angle), one.turning) for one in motions
@@ -83,7 +83,7 @@ def _heading_against_course(motions: Sequence[Motion]) -> tuple[list[Finding], l
 def _mirrored(motions: Sequence[Motion], angle: float, figures: dict[str, float]) -> Finding:
     """Course plus heading is constant: the heading counts the other way, or the axes are exchanged."""
     figures = figures | {"sum_rad": angle}
-    told = (
+    message = (
         f"course over ground plus heading is constant ({math.degrees(angle):+.0f} degrees), minus it is not"
     )
     agrees = _slope_of_turning(motions)
@@ -93,7 +93,7 @@ def _mirrored(motions: Sequence[Motion], angle: float, figures: dict[str, float]
                 "fault",
                 "axes_exchanged",
                 ("north", "east"),
-                f"{told}, and heading agrees with yaw_rate",
+                f"{message}, and heading agrees with yaw_rate",
                 "north and east are exchanged (x, y of an ENU frame?): map them the other way round",
                 figures=figures,
             )
@@ -101,7 +101,7 @@ def _mirrored(motions: Sequence[Motion], angle: float, figures: dict[str, float]
             "fault",
             "heading_enu",
             ("heading",),
-            told,
+            message,
             "heading is counted from east to north (ENU), or north and east are exchanged: import with "
             "--frame enu, mapping yaw",
             figures=figures,
@@ -110,7 +110,7 @@ def _mirrored(motions: Sequence[Motion], angle: float, figures: dict[str, float]
         "fault",
         "heading_flipped",
         ("heading",),
-        told,
+        message,
         "heading counts counterclockwise: change its sign (or that of east)",
         figures=figures,
     )
@@ -136,18 +136,18 @@ def _yaw_rate_against_heading(motions: Sequence[Motion]) -> list[Finding]:
     found = []
     figures = {"ratio": ratio, "sign": math.copysign(1.0, ratio)}
     if ratio < 0.0:
-        told = f"has the sign opposite to the rate of change of heading (ratio {ratio:.3g})"
+        message = f"has the sign opposite to the rate of change of heading (ratio {ratio:.3g})"
         advice = "change its sign: positive when the bow turns to starboard (z down)"
-        found.append(Finding("fault", "yaw_rate_flipped", ("yaw_rate",), told, advice, figures=figures))
+        found.append(Finding("fault", "yaw_rate_flipped", ("yaw_rate",), message, advice, figures=figures))
     if unit := _unit(abs(ratio), TURNS):
-        told = f"is {abs(ratio):.3g} times the rate of change of heading, as {unit} are"
+        message = f"is {abs(ratio):.3g} times the rate of change of heading, as {unit} are"
         found.append(
-            Finding("fault", "unit", ("yaw_rate",), told, "give it in rad/s (--unit)", figures=figures)
+            Finding("fault", "unit", ("yaw_rate",), message, "give it in rad/s (--unit)", figures=figures)
         )
     elif unit := _unit(1.0 / abs(ratio), {"degrees": TURNS["deg/s"]}):
-        told = f"changes {1.0 / abs(ratio):.3g} times as fast as yaw_rate, as if in {unit}"
+        message = f"changes {1.0 / abs(ratio):.3g} times as fast as yaw_rate, as if in {unit}"
         found.append(
-            Finding("fault", "unit", ("heading",), told, "give it in rad (--degrees)", figures=figures)
+            Finding("fault", "unit", ("heading",), message, "give it in rad (--degrees)", figures=figures)
         )
     return found
 
@@ -165,16 +165,16 @@ def _surge_against_speed(motions: Sequence[Motion]) -> list[Finding]:
     figures = {"ratio": ratio}
     found = []
     if given @ moved < 0.0:
-        told, advice = "has the sign opposite to the speed made good along the heading", "change its sign"
-        found.append(Finding("fault", "surge_flipped", ("surge",), told, advice, figures=figures))
+        message, advice = "has the sign opposite to the speed made good along the heading", "change its sign"
+        found.append(Finding("fault", "surge_flipped", ("surge",), message, advice, figures=figures))
     units = (known[0].run.meta.model_extra or {}).get("units")
     was = units.get("surge") if isinstance(units, dict) else None  # the unit that the import took it for
     if (unit := _unit(ratio * SPEEDS.get(str(was), 1.0), SPEEDS)) and unit != was:
-        told = f"is {ratio:.3g} times the speed of the positions along the heading, as {unit} are"
-        told += f" that were taken for {was}" if was in SPEEDS else ""
+        message = f"is {ratio:.3g} times the speed of the positions along the heading, as {unit} are"
+        message += f" that were taken for {was}" if was in SPEEDS else ""
         found.append(
             Finding(
-                "fault", "unit", ("surge",), told, f"give it in m/s (--unit surge={unit})", figures=figures
+                "fault", "unit", ("surge",), message, f"give it in m/s (--unit surge={unit})", figures=figures
             )
         )
     return found

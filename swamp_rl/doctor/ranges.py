@@ -34,12 +34,12 @@ def range_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
         values = values[np.isfinite(values)]
         largest = float(np.abs(values).max())
         if name.startswith(ANGLES) and _in_degrees(name, having, largest):
-            told = f"reaches {largest:.4g}, beyond what an angle in radians can be there"
-            found.append(_fault(name, told, f"give it in radians (--degrees {name})", largest))
+            message = f"reaches {largest:.4g}, beyond what an angle in radians can be there"
+            found.append(_fault(name, message, f"give it in radians (--degrees {name})", largest))
             factors[name] = math.pi / 180.0
         elif name == "yaw_rate" and float(np.quantile(np.abs(values), 0.99)) > math.tau:
-            told = f"reaches {largest:.4g} rad/s, more than a turn a second"
-            found.append(_fault(name, told, "give it in rad/s (--unit yaw_rate=deg/s)", largest))
+            message = f"reaches {largest:.4g} rad/s, more than a turn a second"
+            found.append(_fault(name, message, "give it in rad/s (--unit yaw_rate=deg/s)", largest))
             factors[name] = math.pi / 180.0
         elif name.startswith(LEVELS):
             for low, high, factor, unit in SCALES:
@@ -52,8 +52,8 @@ def range_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
     return found, [_scaled(run, factors) for run in runs]
 
 
-def _fault(name: str, told: str, advice: str, largest: float) -> Finding:
-    return Finding("fault", "unit", (name,), told, advice, figures={"largest": largest})
+def _fault(name: str, message: str, advice: str, largest: float) -> Finding:
+    return Finding("fault", "unit", (name,), message, advice, figures={"largest": largest})
 
 
 def _in_degrees(name: str, runs: Sequence[Run], largest: float) -> bool:

@@ -22,7 +22,7 @@ from swamp_rl.runs.copies import boat_of, carried_boat
 from swamp_rl.runs.dataset import inspect_dataset
 from swamp_rl.runs.describe import is_table
 from swamp_rl.runs.export_minari import COPIES
-from swamp_rl.runs.schema import META, meta_told
+from swamp_rl.runs.schema import META, parsed_meta
 from swamp_rl.runs.table import MOST_CELLS, read_table
 
 Array = NDArray[np.float64]
@@ -127,13 +127,13 @@ def _lerobot(folder: Path, boat: str | None) -> Records:
                 taken["time"] = _times(taken, rate)
             runs.append(Run(f"episode-{int(number)}", taken))
     own = folder / "meta" / "swamp_rl.json"
-    told = _json(own) if own.is_file() else {}
-    vessel = _boat(folder / "meta", told, boat)
-    return Records(runs, "LeRobot", vessel, faults, _measured(told))
+    metadata = _json(own) if own.is_file() else {}
+    vessel = _boat(folder / "meta", metadata, boat)
+    return Records(runs, "LeRobot", vessel, faults, _measured(metadata))
 
 
-def _measured(told: dict[str, Any]) -> bool:
-    return told.get("source", "measured") == "measured"
+def _measured(metadata: dict[str, Any]) -> bool:
+    return metadata.get("source", "measured") == "measured"
 
 
 def _times(columns: dict[str, Array], rate: Any) -> Array:
@@ -192,26 +192,30 @@ def _minari(folder: Path, paths: list[Path], boat: str | None) -> Records:
     vessel, measured = None, True
     for path in paths:
         ordinary(_own(path), 2**33)
-        episodes, told, copies = _minari_episodes(path)
+        episodes, metadata, copies = _minari_episodes(path)
         runs += [Run(name, columns) for name, columns in episodes]
-        measured = measured and _measured(told)
-        vessel = vessel or _minari_boat(path, told, copies, boat)
+        measured = measured and _measured(metadata)
+        vessel = vessel or _minari_boat(path, metadata, copies, boat)
     return Records(runs, "Minari", vessel, measured=measured)
 
 
-def _minari_boat(path: Path, told: dict[str, Any], copies: dict[str, Any], boat: str | None) -> Boat | None:
+def _minari_boat(
+    path: Path, metadata: dict[str, Any], copies: dict[str, Any], boat: str | None
+) -> Boat | None:
     """The named boat, else that of the copies in the metadata, else the shipped one of that name."""
     if boat is not None or not copies:
-        return _boat_named(told, boat)
+        return _boat_named(metadata, boat)
     try:
-        return carried_boat(meta_told(told), {name: str(text).encode() for name, text in copies.items()})
+        return carried_boat(
+            parsed_meta(metadata), {name: str(text).encode() for name, text in copies.items()}
+        )
     except (UserError, ValueError) as error:
         raise UserError(f"{path}: its boat cannot be read ({clipped(error, 200)}); give --boat") from error
 
 
-def _boat_named(told: dict[str, Any], boat: str | None) -> Boat | None:
+def _boat_named(metadata: dict[str, Any], boat: str | None) -> Boat | None:
     """The boat that was named, else the shipped one of the dataset's name; None where there is none."""
-    name = boat or told.get("vehicle")
+    name = boat or metadata.get("vehicle")
     if not isinstance(name, str):
         return None
     try:
@@ -222,13 +226,13 @@ def _boat_named(told: dict[str, Any], boat: str | None) -> Boat | None:
         return None
 
 
-def _boat(folder: Path, told: dict[str, Any], boat: str | None) -> Boat | None:
+def _boat(folder: Path, metadata: dict[str, Any], boat: str | None) -> Boat | None:
     """The named boat, else the copy beside the description, else the shipped one of that name."""
     try:
-        copy = file_in(folder, f"{told.get('vehicle')}.yaml", YAML)
+        copy = file_in(folder, f"{metadata.get('vehicle')}.yaml", YAML)
     except UserError:
         return _boat_named({}, boat)
-    return load_boat(copy) if boat is None and copy.is_file() else _boat_named(told, boat)
+    return load_boat(copy) if boat is None and copy.is_file() else _boat_named(metadata, boat)
 
 
 @apart
@@ -255,8 +259,8 @@ def _minari_episodes(
                     found.append((name, columns))
         meta = path.with_name("metadata.json")
         described = _json(meta) if meta.is_file() else {}
-        told = [described.get(key, "{}") for key in ("swamp_rl", COPIES)]
-        about, copies = (parsed_json(text) if isinstance(text, str) else {} for text in told)
+        texts = [described.get(key, "{}") for key in ("swamp_rl", COPIES)]
+        about, copies = (parsed_json(text) if isinstance(text, str) else {} for text in texts)
     except (AttributeError, KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
         raise UserError(f"{path}: is no whole Minari file ({clipped(error, 200)}); copy it again") from error
     about, copies = (one if isinstance(one, dict) else {} for one in (about, copies))

@@ -28,13 +28,13 @@ LIKELIER = 12.0
 FEWEST = 8.0
 """Windows of data, for a regression on three numbers."""
 EXPLAINED = 0.1
-"""Share of the acceleration's variance that the likeliest commands must explain, else nothing is said."""
+"""Share of the acceleration's variance that the likeliest commands must explain, else there is no finding."""
 LONGEST_SHIFT = 4.0
 """s, to either side."""
 COARSE = 0.4
 """s: of the first search, less than a window on either side."""
 SHORTEST_LATENCY = 0.5
-"""s: below it, latency cannot be told from lags of pumps, propeller races and waves of the hull."""
+"""s: below it, latency cannot be distinguished from lags of pumps, propeller races and waves of the hull."""
 SHORTEST_STEPS = 2.0
 """Rows: a row's command may have been given up to a step before, and slopes reach a step to either side."""
 
@@ -44,7 +44,7 @@ class Hypothesis:
     """What may have been done to the columns, and how it is undone."""
 
     code: str
-    told: str
+    message: str
     columns: tuple[str, ...]
     undo: Callable[[Columns], Columns]
 
@@ -87,13 +87,13 @@ def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Find
     found = []
     if gain > LIKELIER and explained > EXPLAINED:
         rivals = [i for i in range(1, len(tried)) if i != best and scores[best] - scores[i] < LIKELIER]
-        told = " or ".join(tried[i].told for i in (best, *rivals))
-        told += f": the boat answers as if so (log likelihood {gain:+.0f})"
+        message = " or ".join(tried[i].message for i in (best, *rivals))
+        message += f": the boat answers as if so (log likelihood {gain:+.0f})"
         advice = "check the mapping, the axes (--frame) and the sign conventions of the commands; it obeys "
         advice += " or ".join(_mapped(tried[i]) for i in (best, *rivals))
         figures = {"log_likelihood_gain": gain, "explained": explained}
         code, columns = tried[best].code, tried[best].columns
-        found.append(Finding("fault", code, columns, told, advice, figures=figures))
+        found.append(Finding("fault", code, columns, message, advice, figures=figures))
     else:
         best = 0
     late = _latency(answers, demands[best][0], shifted[best][0], places, boat is not None)
@@ -191,8 +191,8 @@ def _flips(places: Sequence[Place], columns: Columns) -> Iterator[Hypothesis]:
 def _both(one: Hypothesis, other: Hypothesis) -> Hypothesis:
     """Both changes of the logged commands; undoes `other` first."""
     columns = (*one.columns, *(name for name in other.columns if name not in one.columns))
-    told = f"{one.told} and {other.told}"
-    return Hypothesis(one.code, told, columns, lambda logged: one.undo(other.undo(logged)))
+    message = f"{one.message} and {other.message}"
+    return Hypothesis(one.code, message, columns, lambda logged: one.undo(other.undo(logged)))
 
 
 def _mapped(hypothesis: Hypothesis) -> str:
@@ -301,9 +301,9 @@ def _latency(
     figures = {"latency_s": shift, "log_likelihood_gain": gain}
     if shift > 0.0:
         after = "beyond the lags in the boat file" if known else "with the actuators' lags"
-        told = f"the motion follows the commands after {shift:.1f} s {after}"
+        message = f"the motion follows the commands after {shift:.1f} s {after}"
         advice = "check the clocks of the tables (--clock) and the delay of the radio link"
     else:
-        told = f"the motion precedes the commands by {-shift:.1f} s"
+        message = f"the motion precedes the commands by {-shift:.1f} s"
         advice = f"the clocks differ: import with --clock A~B or --commands-earlier {-shift:.1f}"
-    return [Finding("fault", "latency", names, told, advice, figures=figures)]
+    return [Finding("fault", "latency", names, message, advice, figures=figures)]

@@ -58,9 +58,9 @@ def stuck_findings(runs: Sequence[Run], measured: bool = True) -> list[Finding]:
     ]
     if repeated:
         hold = max(repeated.values())
-        told = f"change only every {hold:.0f} rows"
+        message = f"change only every {hold:.0f} rows"
         advice = "import at the sensor's own rate (--resample HZ): repeated values look like noise-free data"
-        found.append(Finding("note", "repeated", tuple(repeated), told, advice, figures={"rows": hold}))
+        found.append(Finding("note", "repeated", tuple(repeated), message, advice, figures={"rows": hold}))
     return found
 
 

@@ -40,9 +40,11 @@ def time_findings(runs: Sequence[Run]) -> list[Finding]:
     found = []
     for kind, places in kinds.items():
         if places:
-            code, told, advice = words[kind]
+            code, message, advice = words[kind]
             name, row, size = places[0]
-            told = f"{told}: first at row {row} of {name}" + (f", a step of {size:.3g} s" if size else "")
+            message = f"{message}: first at row {row} of {name}" + (
+                f", a step of {size:.3g} s" if size else ""
+            )
             names = tuple(name for name, _, _ in places)
-            found.append(Finding("fault", code, ("time",), told, advice, names, {"largest_step_s": size}))
+            found.append(Finding("fault", code, ("time",), message, advice, names, {"largest_step_s": size}))
     return found

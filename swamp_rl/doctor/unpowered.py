@@ -15,7 +15,7 @@ GAINED = 0.5
 """Of the median speed under commands: a gain of speed within a spell at rest that gusts and currents seldom
 give. A boat that coasts loses speed, however slowly."""
 SHORTEST = 5.0
-"""s of such motion in a run, from which it is told."""
+"""s of such motion in a run, from which it is reported."""
 
 
 def unpowered_findings(motions: Sequence[Motion]) -> list[Finding]:
@@ -42,10 +42,10 @@ def unpowered_findings(motions: Sequence[Motion]) -> list[Finding]:
         places.append(one.run.name)
     if not places:
         return []
-    told = f"are at rest while the boat gathers speed, first from {first}"
+    message = f"are at rest while the boat gathers speed, first from {first}"
     advice = "if it was carried, pushed or towed, leave these rows out: --map keep=... in runs import"
     columns, figures = tuple(sorted(names)), {"seconds": longest}
-    return [Finding("note", "unpowered", columns, told, advice, tuple(dict.fromkeys(places)), figures)]
+    return [Finding("note", "unpowered", columns, message, advice, tuple(dict.fromkeys(places)), figures)]
 
 
 def _at_rest(motion: Motion, most: dict[str, float]) -> NDArray[np.bool_]:

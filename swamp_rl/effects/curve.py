@@ -126,8 +126,8 @@ def parse_curve(given: Mapping[str, Any], where: str) -> tuple[Curve, dict[str, 
 def _one_of(given: Mapping[str, Any], key: str, known: tuple[str, ...], where: str) -> str:
     value = given.get(key)
     if not isinstance(value, str) or value not in known:
-        told = f"unknown {key} {in_yaml(value)}" if key in given else f"{key} is missing"
-        raise UserError(f"{where}: {told}{nearest(str(value), known)}")
+        message = f"unknown {key} {in_yaml(value)}" if key in given else f"{key} is missing"
+        raise UserError(f"{where}: {message}{nearest(str(value), known)}")
     return value
 
 

@@ -161,8 +161,8 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
         refuse_odd_label(path, name)
     for (pilot, level), at in rows.items():
         if len(np.unique(columns["seed"][at])) < len(at):
-            told = f"the episodes of {pilot} at {level} have a seed twice"
-            raise UserError(f"{path}: {told}; run the experiment again")
+            message = f"the episodes of {pilot} at {level} have a seed twice"
+            raise UserError(f"{path}: {message}; run the experiment again")
     return {key: {name: column[at] for name, column in columns.items()} for key, at in rows.items()}
 
 
@@ -175,10 +175,10 @@ def _fault_of(name: str, column: Any) -> str | None:
         "success": (pa.types.is_boolean, "true or false"),
     }
     texts = dict.fromkeys(TEXTS, (pa.types.is_string, "text"))
-    fits, told = {**whole, **texts}.get(name, (pa.types.is_floating, "floating-point numbers"))
+    fits, expected = {**whole, **texts}.get(name, (pa.types.is_floating, "floating-point numbers"))
     kind = column.type.value_type if pa.types.is_dictionary(column.type) else column.type
     if not fits(kind):
-        return f"must hold {told}, not {clipped(kind)}"
+        return f"must hold {expected}, not {clipped(kind)}"
     if column.null_count:
         return "has an empty cell"
     costs = column.to_numpy() if name in COSTS else np.zeros(0)

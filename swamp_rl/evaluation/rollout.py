@@ -70,7 +70,7 @@ class Boats(Protocol):
 
 
 WORTH_DROPPING = 0.25
-"Share of the boats a pilot steers that have ended when it is told to go on without them."
+"Share of the boats a pilot steers that have ended when it has to continue without them."
 
 MakeBoats = Callable[[int, tuple[str, ...]], Boats]
 """Builds a batch of n boats that are observed by the given names."""

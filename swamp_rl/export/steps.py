@@ -1,4 +1,4 @@
-"""The step of each kind of pilot, said in ONNX operators exactly as its `act` says it in NumPy."""
+"""The step of each kind of pilot in ONNX operators, equal to its `act` in NumPy."""
 
 from functools import singledispatch
 from typing import Any

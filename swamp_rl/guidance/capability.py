@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 DIRECTIONS = 36
 COARSE, FINE = 24, 14  # steps of the search upwards, and halvings
-MOST_WIND = 60.0  # m/s, beyond any wind; a jet boat that holds it is told as holding this
+MOST_WIND = 60.0  # m/s, beyond any wind; a jet boat that holds it is reported as holding this
 STRAIGHT = 1e-3  # share of the whole force that a sway force may have without being one
 
 

@@ -87,7 +87,7 @@ class Voyage:
 
 
 class Latest:
-    """The newest motion of those that telemetry packets have told, and when it came."""
+    """The newest motion of those in telemetry packets, and when it came."""
 
     def __init__(self, origin: Place) -> None:
         self._origin = origin

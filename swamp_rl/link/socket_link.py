@@ -101,7 +101,7 @@ def packets(link: SocketLink, patience: float) -> Iterator[bytes]:
 
 
 def no_answer(vehicle: Addresses, patience: float) -> UserError:
-    """What is said where a vehicle is silent."""
+    """Message where a vehicle is silent."""
     return UserError(
         f"{vehicle.text}: no telemetry for {patience:g} s; check that the vehicle is on and that this is its "
         "address"

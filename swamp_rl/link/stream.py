@@ -145,7 +145,7 @@ class Assembler:
         return Sample((before[1] - self._start) / 1e6, commands, before[2])
 
     def _in_force(self, at: int) -> Array | None:
-        """(2K,) what the modules said last by that stamp; None while one has said nothing."""
+        """(2K,) last values of the modules by that stamp; None while one has sent none."""
         last = [next((line for line in reversed(own) if line.utc <= at), None) for own in self._lines]
         if any(line is None for line in last):
             return None

@@ -103,7 +103,7 @@ class Vehicle:
         self._rate_limit = self.params["azimuth_rate"].copy()
         self._rng = np.random.default_rng(self.conduct.seed)
         self._gusts = self._rng.integers(2**63, size=1).astype(np.uint64)
-        self._told: list[tuple[int, int] | None] = [None for _ in boat.thrusters]
+        self._sent: list[tuple[int, int] | None] = [None for _ in boat.thrusters]
         self._asked: list[Array] = []
         self._second, self._in_second = 0, 0
 
@@ -196,8 +196,8 @@ class Vehicle:
         return sent + [packet for k in range(len(self.modules)) for packet in self._module_packets(k)]
 
     def _changes(self) -> list[Packet]:
-        """Lines of the modules whose references are others than they said last."""
-        changed = [k for k in range(len(self.modules)) if self._references(k) != self._told[k]]
+        """Lines of the modules whose references differ from those last sent."""
+        changed = [k for k in range(len(self.modules)) if self._references(k) != self._sent[k]]
         return [packet for k in changed for packet in self._module_packets(k)]
 
     def _measured(self) -> Array:
@@ -217,7 +217,7 @@ class Vehicle:
         module, end, K = self.modules[k], self.addresses.modules[k], len(self.modules)
         if end in self.dead or not module.telemetry:
             return []
-        self._told[k] = throttle, steps = self._references(k)
+        self._sent[k] = throttle, steps = self._references(k)
         reached = self.state[0, ACTUATORS:]
         line = ModuleLine(
             FIRST_MODULE + k,

@@ -22,7 +22,7 @@ def with_nearest_azimuths(found: Foreign, boat: Boat) -> Foreign:
     A thruster without limits turns the shorter way, so that a log within one turn is unwrapped; a log that
     passes one turn counts already. An angle outside a thruster's limits is the equivalent one within them.
     """
-    columns, told = dict(found.table.columns), []
+    columns, notes = dict(found.table.columns), []
     for thruster in boat.thrusters:
         name = thruster.command_columns[0]
         if not isinstance(thruster, Thruster) or name is None or name not in columns:
@@ -34,10 +34,10 @@ def with_nearest_azimuths(found: Foreign, boat: Boat) -> Foreign:
             columns[name] = _within(values, thruster.azimuth_min, thruster.azimuth_max)
         turns = np.round((columns[name] - values)[np.isfinite(values)] / TURN)
         changed = int(np.count_nonzero(np.diff(turns, prepend=0.0)))
-        told += [f"{name} is taken by the nearest equivalent angle {changed} times"] if changed else []
-    if not told:
+        notes += [f"{name} is taken by the nearest equivalent angle {changed} times"] if changed else []
+    if not notes:
         return found
-    meta = RunMeta.model_validate(found.meta.model_dump() | {"azimuths": "; ".join(told)})
+    meta = RunMeta.model_validate(found.meta.model_dump() | {"azimuths": "; ".join(notes)})
     return replace(found, table=replace(found.table, columns=columns), meta=meta)
 
 

@@ -68,11 +68,11 @@ class Bag(Part):
 def refuse_odd_bag(folder: Path) -> None:
     """UserError where a bag's description is not whole, or its files are not ordinary ones in the folder."""
     path = ordinary(folder / BAG_METADATA, LARGEST_METADATA)
-    told: Any = read_yaml(path).get(ROOT)
-    names = told.get("relative_file_paths") if isinstance(told, dict) else None
+    metadata: Any = read_yaml(path).get(ROOT)
+    names = metadata.get("relative_file_paths") if isinstance(metadata, dict) else None
     if not (isinstance(names, list) and all(isinstance(name, str) for name in names)):
         raise UserError(f"{path}: {ROOT} has no list of names relative_file_paths; copy the bag again")
-    if str(told.get("compression_mode") or "").lower() == "file":
+    if str(metadata.get("compression_mode") or "").lower() == "file":
         raise UserError(f"{folder}: its files are compressed as a whole; decompress them (ros2 bag convert)")
     for name in names:
         held = folder / Path(name).name
@@ -80,7 +80,7 @@ def refuse_odd_bag(folder: Path) -> None:
             raise UserError(f"{held}: is a link; put a copy of the file in its place")
         ordinary(held, LARGEST)
     try:
-        Bag.model_validate(told)
+        Bag.model_validate(metadata)
     except ValidationError as error:
         key, message = explanations(error, Bag)[0]
         raise UserError(f"{path}: {ROOT}.{key}: {message}; or copy the bag again") from error

@@ -36,9 +36,9 @@ def reading(path: Path, what: str, repair: str = "") -> Iterator[None]:
     except OSError as error:
         raise os_error(error, path) from error
     except (Exception, RecursionError) as error:
-        said = f" ({clipped(words, 200)})" if (words := _words(error)) else ""
+        reason = f" ({clipped(words, 200)})" if (words := _words(error)) else ""
         remedy = f"copy it again{repair and f', or repair it with {repair}'}"
-        raise UserError(f"{path}: is no complete {what}{said}; {remedy}") from error
+        raise UserError(f"{path}: is no complete {what}{reason}; {remedy}") from error
 
 
 def _words(error: BaseException) -> str:

@@ -79,17 +79,17 @@ def foreign_of(
     if counted is not None and (len(used) > 1 or log.tables[used[0]].time is not None):
         raise UserError(f"{log.file}: --rate: counts the rows of one table without times; leave it out")
     stamps = on_one_day({name: _stamps(log, log.tables[name], mapping, counted) for name in used})
-    told: dict[str, Any] = dict(log.told) | _left_out(log, mapping, found, used)
+    metadata: dict[str, Any] = dict(log.metadata) | _left_out(log, mapping, found, used)
     units = {column_of(name, mapping): unit for name, unit in mapping.units.items() if name in found}
-    told |= {"units": units} if units else {}
-    told |= {"velocity_axes": "earth"} if {"vx", "velocity_north"} & found.keys() else {}
-    times = [one.told for one in stamps.values() if one.told]
-    told |= {"times": max(times, key=lambda one: PAST_MIDNIGHT in one)} if times else {}
+    metadata |= {"units": units} if units else {}
+    metadata |= {"velocity_axes": "earth"} if {"vx", "velocity_north"} & found.keys() else {}
+    times = [one.note for one in stamps.values() if one.note]
+    metadata |= {"times": max(times, key=lambda one: PAST_MIDNIGHT in one)} if times else {}
     if len(used) == 1 and log.tables[used[0]].time is None:
-        return _single(log, mapping, found, stamps[used[0]], told)
+        return _single(log, mapping, found, stamps[used[0]], metadata)
     _refuse_coarse_clocks(log, stamps)
     shifts = _clocks(log, mapping, stamps)
-    told |= {"clocks": "; ".join(text for _, text in shifts.values())} if shifts else {}
+    metadata |= {"clocks": "; ".join(text for _, text in shifts.values())} if shifts else {}
     first = min(one.start for one in stamps.values())
     series = {}
     for name, column in found.items():
@@ -99,7 +99,7 @@ def foreign_of(
         series[name] = Series(table, time, values, _lost(log, mapping, name, column, time))
     series = _without_quaternion(log, series)
     lost = condensed([fault for one in series.values() for _, fault in one.lost])
-    told |= {"cells_left_out": first_of([str(fault) for fault in lost])} if lost else {}
+    metadata |= {"cells_left_out": first_of([str(fault) for fault in lost])} if lost else {}
     for name in series.keys() & {"yaw", *ANGLES}:
         refuse_beyond_turn(log.file, name, series[name].time, series[name].values, mapping.units.get(name))
     rate = rate or _rate(log, series)
@@ -109,9 +109,9 @@ def foreign_of(
     rows = np.arange(1, len(columns["time"]) + 1)
     faults = [_renamed(fault, mapping) for fault in grid.faults]
     table_of_all = Table(columns, rows, unread, faults)
-    told["joined"] = grid.told
+    metadata["joined"] = grid.note
     return Foreign(
-        log.file, log.name, table_of_all, RunMeta.model_validate(told), mapped=names_by_column(mapping)
+        log.file, log.name, table_of_all, RunMeta.model_validate(metadata), mapped=names_by_column(mapping)
     )
 
 
@@ -140,7 +140,7 @@ def _in_our_frame(log: Log, columns: Mapped[str, Array], mapping: Mapping) -> di
 def _unread(
     columns: Mapped[str, Array], before: Mapped[str, NDArray[np.bool_]]
 ) -> dict[str, NDArray[np.bool_]]:
-    """Which values are missing for a fault that is told already, whatever column came of them."""
+    """Which values are missing for a fault that is reported already, whatever column came of them."""
     if not before:
         return {}
     any_missing = np.any(list(before.values()), axis=0)
@@ -148,7 +148,7 @@ def _unread(
 
 
 def _single(
-    log: Log, mapping: Mapping, found: dict[str, Column], stamps: Stamps, told: dict[str, Any]
+    log: Log, mapping: Mapping, found: dict[str, Column], stamps: Stamps, metadata: dict[str, Any]
 ) -> Foreign:
     """Of one table: its rows as they are, with the faults of the cells that the mapping reads."""
     table = log.tables[next((c.table for c in found.values() if c.table), next(iter(log.tables)))].table
@@ -173,7 +173,9 @@ def _single(
         faults += faults_at(log.file, "time", table.rows, late, lambda i: NO_TIME)
         unread["time"] = late
     whole = Table(columns, table.rows, unread, faults, table.whole)
-    return Foreign(log.file, log.name, whole, RunMeta.model_validate(told), mapped=names_by_column(mapping))
+    return Foreign(
+        log.file, log.name, whole, RunMeta.model_validate(metadata), mapped=names_by_column(mapping)
+    )
 
 
 def _lost(log: Log, mapping: Mapping, name: str, column: Column, time: Array) -> list[tuple[float, Fault]]:
@@ -265,14 +267,14 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
         where += f" of table {table.name} (--map {table.name}.time=COLUMN gives its own)"
     there = {word: _find(alone, where, word)[1] for word in words}
     if len(words) == 1 and (cells := words_of(table, there[words[0]])) is not None:
-        told = from_words(cells)
-        if told is None:
+        stamps = from_words(cells)
+        if stamps is None:
             cell = clipped(cell_text(cells, 0), 40)
             raise UserError(
                 f"{log.file}: {where}: {cell!r} is no time; give seconds, ticks since 1970 or "
                 "ISO 8601 (2026-05-01T12:00:00.100Z), in a spreadsheet the format yyyy-mm-dd hh:mm:ss.000"
             )
-        return told if isinstance(node, Name) else _shifted(told, node, words[0])
+        return stamps if isinstance(node, Name) else _shifted(stamps, node, words[0])
     if text := [column for column in there.values() if words_of(table, column) is not None]:
         raise UserError(
             f"{log.file}: {where}: {text[0]!r} has no numbers to reckon with; of a date and a time of day in "
@@ -284,13 +286,16 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
     return from_numbers(values, f"{log.file}: {where}", factor("time", unit) if unit else None)
 
 
-def _shifted(told: Stamps, node: Node, word: str) -> Stamps:
+def _shifted(stamps: Stamps, node: Node, word: str) -> Stamps:
     """The times that an expression makes of others [s], as `Uhrzeit - 7200` of a clock two hours ahead."""
-    values = np.array(np.broadcast_to(evaluated(node, {word: told.start + told.time}), told.time.shape))
+    values = np.array(np.broadcast_to(evaluated(node, {word: stamps.start + stamps.time}), stamps.time.shape))
     known = values[np.isfinite(values)]
     start = float(known[0]) if len(known) else 0.0
     return replace(
-        told, time=values - start, start=start, told=f"{told.told}, shifted by {start - told.start:+.6g} s"
+        stamps,
+        time=values - start,
+        start=start,
+        note=f"{stamps.note}, shifted by {start - stamps.start:+.6g} s",
     )
 
 
@@ -359,8 +364,8 @@ def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str
         records = [_record(log, column, stamps[column.table], begin) for column in (first, second)]
         offset = clock_offset(records[0], records[1], where)
         shift = offset.seconds + found.get(first.table, (0.0, ""))[0]
-        told = f"{second.table} shifted by {shift:+.3f} s (correlation {offset.correlation:.2f})"
-        found[second.table] = (shift, told)
+        message = f"{second.table} shifted by {shift:+.3f} s (correlation {offset.correlation:.2f})"
+        found[second.table] = (shift, message)
     return found
 
 

@@ -23,7 +23,7 @@ def read_dataflash(path: Path, wanted: Collection[str] | None = None) -> Log:
     """The messages of a log by type, `GPS_1` for those of a second instance; times [s] since the boot.
 
     wanted: names of tables to be read, all by default. Values are scaled as the format says.
-    Parameters are in `told`, as `parameter NAME`. UserError for a damaged file, or one without a message.
+    Parameters are in `metadata`, as `parameter NAME`. UserError for a damaged file, or one without a message.
     """
     with reading(path, WHAT):
         ordinary(path, LARGEST)
@@ -61,7 +61,7 @@ def _opened(path: Path) -> Any:
 
 def _gathered(path: Path, reader: Any, wanted: Collection[str] | None) -> Log:
     tables: dict[str, Gathered] = {}
-    told: dict[str, str] = {}
+    metadata: dict[str, str] = {}
     types = None if wanted is None else {name.rpartition("_")[0] or name for name in wanted} | set(wanted)
     asked = None if types is None else [*types, PARAMETER]
     for _ in range(MOST_MESSAGES):
@@ -70,7 +70,7 @@ def _gathered(path: Path, reader: Any, wanted: Collection[str] | None) -> Log:
             break
         kind, fields = message.get_type(), message.to_dict()
         if kind == PARAMETER and "Name" in fields:
-            told[f"parameter {fields['Name']}"] = str(fields.get("Value"))
+            metadata[f"parameter {fields['Name']}"] = str(fields.get("Value"))
         stamp = _since_boot(kind, fields)
         if stamp is None:
             continue
@@ -83,7 +83,7 @@ def _gathered(path: Path, reader: Any, wanted: Collection[str] | None) -> Log:
         tables[name].add(stamp, {field: one for field, one in fields.items() if isinstance(one, int | float)})
     if not tables:
         raise UserError(f"{path}: holds no message with a time (TimeUS, TimeMS); name a whole DataFlash log")
-    return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, told)
+    return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, metadata)
 
 
 def _since_boot(kind: str, fields: dict[str, Any]) -> float | None:

@@ -51,8 +51,8 @@ def commands(kind: str, log: Log, boat: Boat) -> dict[str, str]:
     shares = _ardupilot_shares(log) if kind == "dataflash" else _px4_shares(log, drive.single)
     if not set(drive.columns) <= set(shares):
         return levers
-    told = {name: text.replace("SHARE", shares[role]) for role, (name, text) in drive.columns.items()}
-    return levers | told
+    columns = {name: text.replace("SHARE", shares[role]) for role, (name, text) in drive.columns.items()}
+    return levers | columns
 
 
 def _drive(boat: Boat) -> Drive | None:
@@ -88,7 +88,7 @@ def _level(thruster: Thruster | PropellerRudder) -> tuple[str, str]:
 def _number(log: Log, name: str, usual: str) -> float:
     """A parameter's value; the usual one where the log has none that is a finite number."""
     try:
-        value = float(log.told.get(f"parameter {name}", usual))
+        value = float(log.metadata.get(f"parameter {name}", usual))
     except ValueError:
         return float(usual)
     return value if math.isfinite(value) else float(usual)

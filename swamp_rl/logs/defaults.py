@@ -166,9 +166,9 @@ def default_mapping(kind: str, log: Log, given: LogMapping, boat: Boat) -> LogMa
         for table in log.tables.values():
             if (table.kind if kind == "rosbag" else table.name) != source.message or source.gives in taken:
                 continue
-            told = {name: _where_valid(table, source, text) for name, text in source.columns.items()}
-            if all(_has_numbers(table, text) for text in told.values()):
-                columns |= told
+            own = {name: _where_valid(table, source, text) for name, text in source.columns.items()}
+            if all(_has_numbers(table, text) for text in own.values()):
+                columns |= own
                 taken.add(source.gives)
     columns = {name: text for name, text in columns.items() if not replaced(name, given.columns)}
     columns |= {name: text for name, text in commands(kind, log, boat).items() if name not in given.columns}

@@ -69,7 +69,7 @@ def refuse_halves(names: Mapped[str, object]) -> None:
 
 def refuse_beyond_turn(file: str, name: str, time: Array, angle: Array, unit: str | None) -> None:
     """UserError for a mapped angle (T,) [rad] at times (T,) [s] that passes a turn and counts no turns, or in
-    a row alone; unit: what it is said to be in."""
+    a row alone; unit: its stated one."""
     known = np.flatnonzero(np.isfinite(angle) & np.isfinite(time))
     time, angle = time[known], angle[known]
     later = np.diff(time, prepend=-math.inf) > 0.0
@@ -80,9 +80,9 @@ def refuse_beyond_turn(file: str, name: str, time: Array, angle: Array, unit: st
         return
     largest = int(np.argmax(np.abs(angle) * wrong))
     if unit == "deg" or counts:
-        told = f"{np.degrees(angle[largest]):.4g} deg" if unit == "deg" else f"{angle[largest]:.4g} rad"
+        value = f"{np.degrees(angle[largest]):.4g} deg" if unit == "deg" else f"{angle[largest]:.4g} rad"
         raise UserError(
-            f"{file}: --map {name}: row {known[largest] + 1}: {told} is more than a turn; correct it or "
+            f"{file}: --map {name}: row {known[largest] + 1}: {value} is more than a turn; correct it or "
             "leave the row out"
         )
     raise UserError(
@@ -98,7 +98,7 @@ def _apart(angle: Array, time: Array) -> NDArray[np.bool_]:
 
 
 def in_our_frame(columns: Mapped[str, Array], frame_of: Callable[[str], Frame]) -> dict[str, Array]:
-    """Columns (T,) of a run from those that a mapping gave, each in the frame that is told of its name.
+    """Columns (T,) of a run from those that a mapping gave, each in the frame given for its name.
 
     NED: x north, y east, z down, yaw clockwise from north; body axes forward, starboard, down.
     ENU: x east, y north, z up, yaw counterclockwise from east; body axes forward, port, up (REP 103).

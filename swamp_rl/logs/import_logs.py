@@ -139,9 +139,9 @@ def _foreign(log: Log, mapping: Mapping, given: Mapping, kind: str, boat: Boat, 
     if not mapping.columns:
         known = ", ".join(list(log.tables)[:12])
         raise UserError(f"{log.file}: none of the usual messages is there ({known}); see --list, and --map")
-    own = {key: value for key, value in log.told.items() if not key.startswith("parameter ")}
+    own = {key: value for key, value in log.metadata.items() if not key.startswith("parameter ")}
     own |= _without_commands(boat, mapping, None if kind in BINARY else log)
-    read = replace(log, told=own)
+    read = replace(log, metadata=own)
     convert = partial(foreign_of, read, rate=wishes.resample, fill=wishes.fill, counted=wishes.rate)
     by_type = kind == "rosbag" and {"u", "v"} <= mapping.columns.keys() - given.columns.keys()
     found = foreign_in_its_axes(mapping, convert) if by_type else convert(mapping)
@@ -158,8 +158,8 @@ def _unknown(found: Foreign, boat: Boat) -> dict[str, str]:
     """What to tell of columns that the run format does not know, with the known name that is most alike."""
     names = set(unknown_columns(list(found.table.columns), boat)) - {*QUANTITIES, KEEP}
     near = {name: likest(name, (*FIXED, *QUANTITIES)) for name in sorted(names)}
-    told = [f"{name} (did you mean {other!r}?)" if other else name for name, other in near.items()]
-    return {"unknown_columns": f"{', '.join(told)}; kept as they are"} if told else {}
+    listed = [f"{name} (did you mean {other!r}?)" if other else name for name, other in near.items()]
+    return {"unknown_columns": f"{', '.join(listed)}; kept as they are"} if listed else {}
 
 
 def _without_commands(boat: Boat, mapping: Mapping, tables: Log | None) -> dict[str, str]:
@@ -175,8 +175,8 @@ def _without_commands(boat: Boat, mapping: Mapping, tables: Log | None) -> dict[
     if not lacking:
         return {}
     field = "TABLE.FIELD" if there is None or tables is None or len(tables.tables) > 1 else lacking[0]
-    told = f"missing: {', '.join(lacking)} of {boat.name}; see --list, and give --map {lacking[0]}={field}"
-    return {"commands": told}
+    message = f"missing: {', '.join(lacking)} of {boat.name}; see --list, and give --map {lacking[0]}={field}"
+    return {"commands": message}
 
 
 def paths_of(sources: Sequence[Path], kind: str) -> list[Path]:

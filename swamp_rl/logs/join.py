@@ -46,7 +46,7 @@ class Joined:
     columns: dict[str, Array]
     unread: dict[str, NDArray[np.bool_]]
     faults: list[Fault]
-    told: str
+    note: str
 
 
 def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) -> Joined:
@@ -73,8 +73,8 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
     given = max(len(one.time) for one in series.values())
     most = most_rows(len(series) + 1, given)
     if not rows < most:
-        told = f"{rows:.3g} rows at {rate:g} a second from {given} messages, at most {most}"
-        raise UserError(f"{file}: {told}; give --resample HZ, or divide the log where its times jump")
+        message = f"{rows:.3g} rows at {rate:g} a second from {given} messages, at most {most}"
+        raise UserError(f"{file}: {message}; give --resample HZ, or divide the log where its times jump")
     even = start + np.arange(math.floor(rows)) / rate
     columns: dict[str, Array] = {"time": even - start}
     unread: dict[str, NDArray[np.bool_]] = {}
@@ -87,8 +87,8 @@ def joined(file: str, series: Mapping[str, Series], rate: float, fill: float) ->
         if missing.any():
             unread[name], columns[name] = missing, np.where(missing, np.nan, columns[name])
             faults += found
-    told = "; ".join([_told(series, rate), *_left_out(series, rate, even, first, last)])
-    return Joined(columns, unread, faults, told)
+    message = "; ".join([_summary(series, rate), *_left_out(series, rate, even, first, last)])
+    return Joined(columns, unread, faults, message)
 
 
 def _end(name: str, one: Series, fill: float) -> float:
@@ -148,9 +148,9 @@ def _pauses(
         first, last = np.searchsorted(even, [one.time[i] + 1e-9, one.time[i + 1] - 1e-9])
         missing[first:last] = True
         if last > first:
-            told = f"{one.table} has no value for {steps[i]:.3g} s{_cause(one, i)}"
-            told += "; --fill SECONDS fills it, --bad-rows cuts"
-            faults.append(Fault(file, int(first) + 1, name, told, int(last)))
+            message = f"{one.table} has no value for {steps[i]:.3g} s{_cause(one, i)}"
+            message += "; --fill SECONDS fills it, --bad-rows cuts"
+            faults.append(Fault(file, int(first) + 1, name, message, int(last)))
     return missing, faults
 
 
@@ -170,7 +170,7 @@ def _spans(series: Mapping[str, Series]) -> Sequence[str]:
     return [f"{name} {one.time[0]:.3f} to {one.time[-1]:.3f} s" for name, one in _tables(series).items()]
 
 
-def _told(series: Mapping[str, Series], rate: float) -> str:
+def _summary(series: Mapping[str, Series], rate: float) -> str:
     rates = [
         f"{name} {1.0 / float(np.median(np.diff(one.time))):.3g} Hz" for name, one in _tables(series).items()
     ]

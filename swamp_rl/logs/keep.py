@@ -45,10 +45,10 @@ def _part(found: Foreign, chosen: slice, number: int, count: int) -> Foreign:
         faults=[fault for fault in table.faults if _within(fault, int(rows[0]), int(rows[-1]))],
     )
     whole = f"{number} of {count}: " if count > 1 else ""
-    told = of_part(found.meta.model_dump(), first=chosen.start == 0, last=chosen.stop == total)
-    told |= {"kept": f"{whole}rows {rows[0]} to {rows[-1]} of {total}"}
+    metadata = of_part(found.meta.model_dump(), first=chosen.start == 0, last=chosen.stop == total)
+    metadata |= {"kept": f"{whole}rows {rows[0]} to {rows[-1]} of {total}"}
     name = found.name if count == 1 else f"{found.name}-{number}"
-    return replace(found, name=name, table=part, meta=RunMeta.model_validate(told))
+    return replace(found, name=name, table=part, meta=RunMeta.model_validate(metadata))
 
 
 def _within(fault: Fault, first: int, last: int) -> bool:

@@ -23,8 +23,8 @@ def listing(log: Log) -> Iterator[str]:
         yield f"{clipped(table.name)}{origin}{kind}: {counted(len(table.table.rows), 'row')}{rate}"
         for name, values in list(table.table.columns.items())[:MOST_FIELDS]:
             yield f"  {_named(log, table, name)}: {_span(table, name, values)}"
-    if "not_read" in log.told:
-        yield f"not read: {clipped(log.told['not_read'], 400)}"
+    if "not_read" in log.metadata:
+        yield f"not read: {clipped(log.metadata['not_read'], 400)}"
 
 
 def _named(log: Log, table: LogTable, column: str) -> str:

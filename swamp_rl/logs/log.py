@@ -37,13 +37,13 @@ class LogTable:
 
 @dataclass(frozen=True)
 class Log:
-    """A file as its reader finds it. `told`: what the reader has to say of the run, kept with it; `home`: the
+    """A file as its reader finds it. `metadata`: entries for the run's description; `home`: the
     dataset of this project that the file is a run of."""
 
     file: str
     name: str
     tables: Mapping[str, LogTable]
-    told: Mapping[str, str] = field(default_factory=dict)
+    metadata: Mapping[str, str] = field(default_factory=dict)
     home: Path | None = None
 
 

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from swamp_rl.clipped import clipped
-from swamp_rl.errors import UserError, told_of
+from swamp_rl.errors import UserError, errors_at
 from swamp_rl.files import read_yaml, validated
 from swamp_rl.logs.expression import Node, names_in, parsed
 from swamp_rl.runs.units import UNITS
@@ -121,7 +121,7 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
     columns: dict[str, Node] = {}
     units: dict[str, str] = {}
     given: set[str] = set()
-    said: Frame | None = None
+    frame_of_file: Frame | None = None
     clocks = [_pair(f"--clock {clipped(pair)}", pair) for pair in clock]
     for option in options:
         if found := OPTION.fullmatch(option):
@@ -133,7 +133,7 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
             units.pop(name, None)
             continue
         file = _file(option)
-        said = file.frame or said
+        frame_of_file = file.frame or frame_of_file
         clocks += [_pair(f"{option}: clock", pair) for pair in file.clock]
         for name, whole in file.columns.items():
             if name in given:
@@ -146,7 +146,7 @@ def mapping_of(options: Sequence[str], frame: Frame | None = None, clock: Sequen
             f"--frame {frame}: is of columns that --map gives, and none is {', '.join(WITH_AXES)}; leave it "
             "out, or map these"
         )
-    return Mapping(columns, units, frame or said, tuple(clocks))
+    return Mapping(columns, units, frame or frame_of_file, tuple(clocks))
 
 
 def is_time(name: str) -> bool:
@@ -155,7 +155,7 @@ def is_time(name: str) -> bool:
 
 
 def _column(where: str, name: str, text: str) -> Node:
-    with told_of(where):
+    with errors_at(where):
         return parsed(text, timed=not is_time(name))
 
 
@@ -163,7 +163,7 @@ def _pair(where: str, text: str) -> Pair:
     one, sign, other = text.partition("~")
     if not sign:
         raise UserError(f"{where}: give one quantity of two tables, as in 'IMU.GyrZ ~ turn_rate(ATT.Yaw)'")
-    with told_of(where):
+    with errors_at(where):
         return Pair(where, parsed(one.strip()), parsed(other.strip()))
 
 

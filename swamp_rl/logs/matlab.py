@@ -42,8 +42,8 @@ def read_matlab(path: Path) -> Log:
     table = Table(dict(list(_columns(kept, rows))[:MOST_COLUMNS]), np.arange(1, rows + 1))
     others = ", ".join(clipped(one.name) for one in held if one.name not in kept)
     name = table_name(path.stem)
-    told = {"not_read": f"{others} (of another length or type)"} if others else {}
-    return Log(path.name, path.stem, {name: LogTable(name, table, kind="table", origin=path.name)}, told)
+    metadata = {"not_read": f"{others} (of another length or type)"} if others else {}
+    return Log(path.name, path.stem, {name: LogTable(name, table, kind="table", origin=path.name)}, metadata)
 
 
 def _rows_first(values: Column) -> Column:

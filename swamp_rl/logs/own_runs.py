@@ -23,5 +23,5 @@ def with_own_entries(found: Foreign, log: Log, dataset: DatasetMeta, given: Mapp
     own = next((run.model_dump() for run in dataset.runs if run.file == log.file), {})
     if VELOCITY & given.columns.keys():
         own.pop("velocity_axes", None)
-    told = {key: value for key, value in found.meta.model_dump().items() if value is not None}
-    return replace(found, meta=RunMeta.model_validate(own | told), dataset=dataset, home=log.home)
+    entries = {key: value for key, value in found.meta.model_dump().items() if value is not None}
+    return replace(found, meta=RunMeta.model_validate(own | entries), dataset=dataset, home=log.home)

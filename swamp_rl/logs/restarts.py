@@ -30,8 +30,8 @@ def parts_between_restarts(log: Log) -> list[Log]:
             name: _rows(log.tables[name], rows[k], rows[k + 1] if k + 1 < count else None)
             for name, rows in whole.items()
         }
-        told = {**log.told, "part": f"{k + 1} of {count}: the times go back between them"}
-        parts.append(Log(log.file, f"{log.name}-{k + 1}", tables, told))
+        metadata = {**log.metadata, "part": f"{k + 1} of {count}: the times go back between them"}
+        parts.append(Log(log.file, f"{log.name}-{k + 1}", tables, metadata))
     return parts
 
 

@@ -75,15 +75,15 @@ def read_bag(path: Path, wanted: Collection[str] | None = None, kinds: Collectio
             headers[name].append(_header(fields))
     if not tables:
         raise UserError(f"{path}: holds no message of the topics that are read; see --list")
-    told = _on_one_clock(tables, {name: own for name, own in headers.items() if min(own) > 0.0})
+    metadata = _on_one_clock(tables, {name: own for name, own in headers.items() if min(own) > 0.0})
     start = min(min(table.stamps) for table in tables.values())
     for table in tables.values():
         table.stamps = [stamp - start for stamp in table.stamps]
     if unknown:
         some = ", ".join(f"{clipped(one)} ({clipped(unknown[one])})" for one in list(unknown)[:MOST_NAMED])
-        told["not_read"] = f"{some}, {UNDEFINED}"
-    told["utc_start"] = f"{start:.6f}"
-    return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, told)
+        metadata["not_read"] = f"{some}, {UNDEFINED}"
+    metadata["utc_start"] = f"{start:.6f}"
+    return Log(path.name, path.stem, {name: table.table() for name, table in tables.items()}, metadata)
 
 
 def _undefined(reader: Any) -> dict[str, str]:
@@ -105,20 +105,20 @@ def _on_one_clock(tables: Mapping[str, Gathered], headers: Mapping[str, list[flo
     """
     late = {name: float(np.median(np.subtract(tables[name].stamps, own))) for name, own in headers.items()}
     odd = [name for name, seconds in late.items() if abs(seconds) > LATEST]
-    told = ""
+    message = ""
     if odd and len(odd) == len(headers):
         longest = max(odd, key=lambda name: len(headers[name]))
         recorded, counted = np.sort(tables[longest].stamps), np.sort(headers[longest])
         for name in [name for name in tables if name not in headers]:
             tables[name].stamps = np.interp(tables[name].stamps, recorded, counted).tolist()
-            told = f"of the headers, {late[longest]:.0f} s behind the recorder's clock; others converted"
+            message = f"of the headers, {late[longest]:.0f} s behind the recorder's clock; others converted"
     elif odd:
         some = ", ".join(clipped(name) for name in odd[:MOST_NAMED])
-        told = f"of recording for {some}, whose headers have another clock"
+        message = f"of recording for {some}, whose headers have another clock"
     for name in headers:
         if name not in odd or len(odd) == len(headers):
             tables[name].stamps = headers[name]
-    return {"times": told} if told else {}
+    return {"times": message} if message else {}
 
 
 def _names(topics: Iterator[str]) -> dict[str, str]:

@@ -41,8 +41,8 @@ def read_folder_log(folder: Path, files: Sequence[Path], wanted: Collection[str]
     empty = [name for name, file in named.items() if not file.stat().st_size]
     kept = [name for name in (named if wanted is None else wanted) if name not in empty]
     tables = {name: _read(named[name], name, str(named[name].relative_to(folder))) for name in kept}
-    told = {"not_read": f"{', '.join(empty)} (empty)"} if empty and wanted is None else {}
-    return Log(folder.name, folder.name, tables, told)
+    metadata = {"not_read": f"{', '.join(empty)} (empty)"} if empty and wanted is None else {}
+    return Log(folder.name, folder.name, tables, metadata)
 
 
 def _read(path: Path, name: str, origin: str) -> LogTable:

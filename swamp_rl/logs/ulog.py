@@ -19,7 +19,7 @@ CLOCKS = "timestamp_sample", "time_utc_usec"
 def read_ulog(path: Path, wanted: Collection[str] | None = None) -> Log:
     """The topics of a log, `NAME_1` for a second instance; times from `timestamp` [s], since the boot.
 
-    wanted: names of tables to be read, all by default. Parameters are in `told`, as `parameter NAME`.
+    wanted: names of tables to be read, all by default. Parameters are in `metadata`, as `parameter NAME`.
     UserError for a damaged file, or one without data.
     """
     with reading(path, WHAT):
@@ -46,7 +46,7 @@ def read_ulog(path: Path, wanted: Collection[str] | None = None) -> Log:
             tables[name] = LogTable(name, table, 1e-6 * np.asarray(stamps, float), "ULog", found.name, CLOCKS)
     if not tables:
         raise UserError(f"{path}: holds no data of the topics that are read; see --list")
-    told = {f"parameter {name}": str(value) for name, value in log.initial_parameters.items()}
+    metadata = {f"parameter {name}": str(value) for name, value in log.initial_parameters.items()}
     if log.file_corruption:
-        told["log_damage"] = "the reader skipped damaged data"
-    return Log(path.name, path.stem, tables, told)
+        metadata["log_damage"] = "the reader skipped damaged data"
+    return Log(path.name, path.stem, tables, metadata)

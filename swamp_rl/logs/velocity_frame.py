@@ -34,11 +34,11 @@ def foreign_in_its_axes(mapping: Mapping, convert: Callable[[Mapping], Foreign])
     errors = [displacement_error(one.table) for one in (of_body, of_earth)]
     if not errors[1] < CLEARER * errors[0]:
         return of_body
-    told = {
+    metadata = {
         "velocity": f"in axes of the earth: differs from the displacement by {errors[1]:.2g} m in {SPAN:g} s"
     }
-    told["velocity"] += f", in axes of the boat by {errors[0]:.2g} m"
-    return replace(of_earth, meta=of_earth.meta.model_copy(update=told))
+    metadata["velocity"] += f", in axes of the boat by {errors[0]:.2g} m"
+    return replace(of_earth, meta=of_earth.meta.model_copy(update=metadata))
 
 
 def _of_earth(mapping: Mapping) -> Mapping:

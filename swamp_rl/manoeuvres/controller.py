@@ -48,7 +48,7 @@ class Phase(NamedTuple):
     """Where a manoeuvre stands: `name` and `number` (of the execute, the turn, the step) since `began` [s].
 
     heading [rad]: when the manoeuvre began; memory: what the controller itself keeps; notes: what went not
-    as asked for, to be told with the results.
+    as asked for, to be reported with the results.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Phase(NamedTuple):
         return self._replace(name=name, began=time, number=number, memory=memory)
 
     def noted_also(self, what: str, item: str) -> "Phase":
-        """The same phase with `what: item` to tell, or with the item added where `what` was told last."""
+        """The same phase with `what: item` to tell, or with the item added where `what` was reported last."""
         if self.notes and self.notes[-1].startswith(f"{what}: "):
             return self._replace(notes=(*self.notes[:-1], f"{self.notes[-1]}, {item}"))
         return self.noted(f"{what}: {item}")

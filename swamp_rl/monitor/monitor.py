@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 class Notice:
     """What a monitor says. time: when [s]; since: when it began [s]; cause: label of an effect, `SENSOR
     frozen`, `SENSOR back` or `unexplained`; values: the effect's parameters; rivals: labels of causes that
-    are not told apart from it; channels: where the innovations changed.
+    are not distinguishable from it; channels: where the innovations changed.
     """
 
     time: float
@@ -71,7 +71,7 @@ class Monitor:
         "Time [s] before which the filter of a stream that has begun again is not judged."
         self.again = False
         self.asked = -np.inf
-        self.said = "", -np.inf
+        self.last_named = "", -np.inf
         self.notices = 0
 
     @property
@@ -140,7 +140,7 @@ class Monitor:
         self.test.clear()
         self.alarm, self.again = None, False
         self.asked = -np.inf
-        self.said = "", -np.inf
+        self.last_named = "", -np.inf
         self.settled = sample.time + self.options.settled
 
     def _frozen(self, sample: Sample) -> list[Notice]:
@@ -188,8 +188,8 @@ class Monitor:
         if not self._adopt(first, record, shift):
             return [Notice(now, first.time, "unexplained", {}, channels=channels)]
         label = first.instance.label
-        refined = label == self.said[0] and now - self.said[1] < of.refined
-        self.said = label, now
+        refined = label == self.last_named[0] and now - self.last_named[1] < of.refined
+        self.last_named = label, now
         if refined:
             return []
         rivals = tuple(name for name, gap in behind.items() if gap < of.rival)

@@ -28,7 +28,7 @@ from swamp_rl.physics.code_cache import CodeCache
 F = TypeVar("F", bound=Callable[..., object])
 
 LOG = logging.getLogger(__name__)
-"""Is told, once in a process, that machine code is missing in the cache and is being compiled."""
+"""Reports, once in a process, that machine code is missing in the cache and is being compiled."""
 
 KEPT_CACHES = 4
 ROOM = 2**26
@@ -191,18 +191,18 @@ def _kept(function: Any, part: str) -> Any:
 class _FirstCompilation(event.Listener):
     """Hears of every function that numba compiles; one that it finds in a cache is not compiled."""
 
-    told = False
+    announced = False
 
     def on_start(self, event: Any) -> None:
         """Tell `LOG` of the first function of this package."""
         own = event.data["dispatcher"].py_func.__module__.partition(".")[0] == __name__.partition(".")[0]
-        if own and not self.told:
-            self.told = True
+        if own and not self.announced:
+            self.announced = True
             kept = "once" if cache_folder() else "in every process: name a folder for it in XDG_CACHE_HOME"
             LOG.info("compiling the simulator for this processor and boat: up to half a minute, %s", kept)
 
     def on_end(self, event: Any) -> None:
-        """Nothing is told of the end."""
+        """Do nothing."""
 
 
 _LISTENER = _FirstCompilation()

@@ -19,13 +19,13 @@ SAID = "training"
 REMEDY = "remove it to train again"
 
 
-def save_checkpoint(path: Path, said: Mapping[str, Any], arrays: Mapping[str, Array]) -> None:
+def save_checkpoint(path: Path, description: Mapping[str, Any], arrays: Mapping[str, Array]) -> None:
     """Replace the checkpoint `path` by JSON and named arrays; UserError where it cannot be written."""
     from safetensors.numpy import save
 
     whole = {name: np.array(value, order="C") for name, value in arrays.items()}
     with write_beside(path) as part:
-        part.write_bytes(sealed(save(whole, metadata={SAID: json.dumps(said), KEY: BLANK})))
+        part.write_bytes(sealed(save(whole, metadata={SAID: json.dumps(description), KEY: BLANK})))
 
 
 def load_checkpoint(path: Path) -> tuple[Any, dict[str, Array]] | None:

@@ -36,8 +36,8 @@ def save_rounds(path: Path, rounds: Rounds, task: str) -> None:
             {"name": run.name, "columns": list(run.columns), "meta": run.meta.model_dump(mode="json")}
         )
         tensors |= {f"run {i}.{name}": values for name, values in run.columns.items()}
-    said = {"task": task, "successes": rounds.successes, "pilots": pilots, "runs": runs}
-    save_checkpoint(path, said, tensors)
+    description = {"task": task, "successes": rounds.successes, "pilots": pilots, "runs": runs}
+    save_checkpoint(path, description, tensors)
 
 
 def load_rounds(path: Path, task: str) -> Rounds:
@@ -48,16 +48,16 @@ def load_rounds(path: Path, task: str) -> Rounds:
     kept = load_checkpoint(path)
     if kept is None:
         return Rounds()
-    said, tensors = kept
+    description, tensors = kept
     with readable(path):
-        if said["task"] != task:
+        if description["task"] != task:
             return Rounds()
         runs = []
-        for i, entry in enumerate(said["runs"]):
+        for i, entry in enumerate(description["runs"]):
             columns = {name: tensors[f"run {i}.{name}"] for name in entry["columns"]}
             runs.append(Run(entry["name"], columns, RunMeta.model_validate(entry["meta"])))
-        learner, best = (_pilot(role, said["pilots"][role], tensors) for role in ("learner", "best"))
-        return Rounds(runs, said["successes"], learner, best)
+        learner, best = (_pilot(role, description["pilots"][role], tensors) for role in ("learner", "best"))
+        return Rounds(runs, description["successes"], learner, best)
 
 
 def _pilot(role: str, entry: dict[str, Any], tensors: dict[str, Array]) -> Pilot:

@@ -107,8 +107,8 @@ def unsealed(path: Path, stored: bytes) -> Description:
     if not isinstance(data, dict) or "kind" not in data:
         raise UserError(f"{path}: does not describe a pilot; name a folder that holds one")
     if data.get("version") != VERSION:
-        said = clipped(in_yaml(data.get("version", 1)), 20)
-        raise UserError(f"{path}: is of format {said}, this reads format {VERSION}; train the pilot again")
+        version = clipped(in_yaml(data.get("version", 1)), 20)
+        raise UserError(f"{path}: is of format {version}, this reads format {VERSION}; train the pilot again")
     seal = data.pop("sha256", None)
     if not whole or seal != _digest(data):
         raise UserError(f"{path}: was changed since it was written; train the pilot again")

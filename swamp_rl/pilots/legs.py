@@ -151,13 +151,17 @@ def _load(path: Path, progress: Progress, legs: Legs) -> None:
     kept = load_checkpoint(path)
     if kept is None:
         return
-    said, tensors = kept
+    description, tensors = kept
     with readable(path):
-        made_with = said["settings"]
+        made_with = description["settings"]
         if made_with == progress.settings:
             legs.restore(tensors)
-            progress.legs, progress.seconds, progress.curve = said["legs"], said["seconds"], said["curve"]
-            progress.decisions = legs.learner.num_timesteps = said["decisions"]
+            progress.legs, progress.seconds, progress.curve = (
+                description["legs"],
+                description["seconds"],
+                description["curve"],
+            )
+            progress.decisions = legs.learner.num_timesteps = description["decisions"]
             return
         other = [key for key in progress.settings if made_with.get(key) != progress.settings[key]]
     raise UserError(

@@ -102,10 +102,10 @@ def _resume(network: Any, optimiser: Any, path: Path, task: str) -> list[float]:
     kept = load_checkpoint(path)
     if kept is None:
         return []
-    said, arrays = kept
+    description, arrays = kept
     with readable(path):
-        if said["task"] != task:
+        if description["task"] != task:
             return []
         load_module_state("network", network, arrays)
         load_optimiser_state("optimiser", optimiser, arrays)
-        return [float(mean) for mean in said["losses"]]
+        return [float(mean) for mean in description["losses"]]

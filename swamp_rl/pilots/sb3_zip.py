@@ -107,7 +107,7 @@ def _loaded(content: bytes, file: str) -> Any:
     try:
         return getattr(stable_baselines3, names[0]).load(BytesIO(content), device="cpu")
     except Exception as error:  # whatever the pickles of a damaged or foreign file raise
-        told = f"{type(error).__name__}: {error}".splitlines()[0]
+        message = f"{type(error).__name__}: {error}".splitlines()[0]
         raise UserError(
-            f"{named}: could not be read by this stable-baselines3 ({told}); save it again"
+            f"{named}: could not be read by this stable-baselines3 ({message}); save it again"
         ) from error

@@ -99,7 +99,7 @@ def load_pilot(folder: Path | str) -> Pilot:
 
 
 def unknown_name(text: str) -> UserError:
-    """What is said of `text`, which names neither a folder nor a pilot."""
+    """Message for `text`, which names neither a folder nor a pilot."""
     return UserError(f"{text}: no such folder, and no pilot of that name{known_names(text)}")
 
 

@@ -70,7 +70,7 @@ def refuse_odd_settings(kind: str, settings: dict[str, Any]) -> None:
     try:
         model.model_validate_json(json.dumps(settings), strict=True)
     except ValidationError as error:
-        key, told = explanations(error, model)[0]
-        raise ValueError(f"{': '.join(filter(None, ('settings', key)))}: {told}") from error
+        key, message = explanations(error, model)[0]
+        raise ValueError(f"{': '.join(filter(None, ('settings', key)))}: {message}") from error
     if settings.get("kind", kind) != kind:
         raise ValueError(f"settings: kind: must be {kind}")

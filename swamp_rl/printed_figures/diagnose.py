@@ -14,7 +14,7 @@ from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Verdict
-from swamp_rl.errors import UserError, told_of
+from swamp_rl.errors import UserError, errors_at
 from swamp_rl.printed_figures.predict import Fleet, fleet_of, misfits, predicted
 from swamp_rl.printed_figures.result import (
     CandidateFound,
@@ -79,7 +79,7 @@ def study_of(path: Path, boat: str) -> Study:
     """The figures file at a path with a boat, by name or file, at its loads; UserError, a line a fault."""
     chain = boat_chain(boat)
     found = read_figures(path, boat_of_chain(chain))
-    with told_of(path):  # the boat itself was read: it is a load or the water
+    with errors_at(path):  # the boat itself was read: it is a load or the water
         return Study(found, fleet_of(chain, found))
 
 
@@ -116,7 +116,7 @@ def examine(study: Study, fit: Groups) -> tuple[FiguresDiagnosis, Fitted]:
     swaps = {one: other for one, other in study.found.exchange.items() if one in used and other not in used}
     reports = [_stage(study, stage, list(swaps.values())) for stage in stages]
     sets = [
-        [" + ".join(stage.named) or "nothing", *(one.effect for one in stage.rivals if not one.told_apart)]
+        [" + ".join(stage.named) or "nothing", *(one.effect for one in stage.rivals if not one.distinguished)]
         for stage in reports
     ]
     sets = [labels for labels in sets if len(labels) > 1]
@@ -173,7 +173,7 @@ def _stage(study: Study, stage: Stage, judging: Sequence[str]) -> StageFound:
                 evidence=one.evidence - least,
                 held_out_chi2=held_out,
                 of_the_first=of_first,
-                told_apart=one.evidence - least + held_out - of_first >= options().strong_evidence,
+                distinguished=one.evidence - least + held_out - of_first >= options().strong_evidence,
             )
         )
     plain = [stage.plain[0], *rivals_of(stage.plain)]

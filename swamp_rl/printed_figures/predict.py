@@ -13,7 +13,7 @@ from swamp_rl.boat.load import Chain, boat_of_chain
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.options import options
 from swamp_rl.effects import EffectEntry, apply_effects
-from swamp_rl.errors import told_of
+from swamp_rl.errors import errors_at
 from swamp_rl.printed_figures.manoeuvres import READERS, Loaded, Test
 from swamp_rl.printed_figures.schema import Figure, FiguresFile, Load
 
@@ -39,7 +39,7 @@ def fleet_of(boat: Chain, found: FiguresFile) -> Fleet:
 def _loaded(boat: Chain, load: Load | None, mass: float, density: float | None) -> Boat:
     """The boat with the load in that water; UserError where there is no such boat."""
     water = "" if density is None else f" in water of {density:g} kg/m3"
-    with told_of(f"the boat at {mass:g} kg{water}"):
+    with errors_at(f"the boat at {mass:g} kg{water}"):
         return boat_of_chain(boat, _replaced(load, density))
 
 

@@ -66,7 +66,7 @@ def _figures(found: FiguresDiagnosis) -> str:
 
 def _stage(number: int, stage: StageFound, boat: Boat) -> str:
     named = readable(" + ".join(stage.named) or "nothing")
-    said = (
+    sentence = (
         f"<h2>Stage {number}: {html.escape(', '.join(stage.groups))}</h2>"
         f"<p>Named: <b>{html.escape(named)}</b>. χ² of {stage.figures} figures: {stage.chi2_before:.1f} "
         f"before, {stage.chi2_after:.1f} with it. The evidence is −2 log of the marginal likelihood (Laplace "
@@ -76,17 +76,17 @@ def _stage(number: int, stage: StageFound, boat: Boat) -> str:
     rows = [
         (readable(one.effect), f"{one.chi2:.1f}", minus(f"{one.evidence:.1f}")) for one in stage.candidates
     ]
-    said += table(("candidate", "χ² of the figures", "evidence above the first"), rows, numbers=(1, 2))
+    sentence += table(("candidate", "χ² of the figures", "evidence above the first"), rows, numbers=(1, 2))
     if len(stage.without_particulars) > 1:
         alike = "; ".join(readable(one) for one in stage.without_particulars)
-        said += (
+        sentence += (
             f"<p>The figures alone, without the particulars, do not distinguish: {html.escape(alike)}.</p>"
         )
     if stage.alone:
-        said += "<p>Parameters of the first from the figures alone:</p>" + _numbers(stage.alone, boat)
+        sentence += "<p>Parameters of the first from the figures alone:</p>" + _numbers(stage.alone, boat)
     for one in stage.rivals:
-        answer = "These separate the two" if one.told_apart else "These do not separate the two either"
-        said += (
+        answer = "These separate the two" if one.distinguished else "These do not separate the two either"
+        sentence += (
             f"<p>Not distinguished from the first by these figures: "
             f"<b>{html.escape(readable(one.effect))}</b>, "
             f"{one.evidence:.1f} above. χ² of the figures that judge it: {one.held_out_chi2:.1f}, of the "
@@ -94,8 +94,8 @@ def _stage(number: int, stage: StageFound, boat: Boat) -> str:
         )
     if stage.unseen:
         unseen = html.escape(", ".join(stage.unseen))
-        said += f'<p class="soft">Not identifiable from these figures: {unseen}.</p>'
-    return said
+        sentence += f'<p class="soft">Not identifiable from these figures: {unseen}.</p>'
+    return sentence
 
 
 def _gain(gain: Sequence[GroupFound]) -> str:
@@ -108,16 +108,16 @@ def _gain(gain: Sequence[GroupFound]) -> str:
 
 
 def _exchange(found: FiguresDiagnosis, boat: Boat) -> str:
-    said = ""
+    sentence = ""
     for one in found.exchange:
         named = html.escape(readable(" + ".join(one.named) or "nothing"))
-        said += (
+        sentence += (
             f"<h2>{html.escape(one.fitted)} fitted in place of {html.escape(one.judged)}</h2>"
             f"<p>Named in addition to the effects of the stages before: <b>{named}</b>. χ² of "
             f"{html.escape(one.judged)}: {one.chi2_before:.1f} with the boat file, {one.chi2_after:.1f} with "
             "the boat extended by them.</p>" + _numbers(one.causes, boat)
         )
-    return said
+    return sentence
 
 
 def _particulars(file: FiguresFile) -> str:

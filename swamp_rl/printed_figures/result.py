@@ -52,7 +52,7 @@ class CandidateFound(Part):
 
 class RivalFound(Part):
     """A set of effects that the fitted figures do not separate from the most likely. held_out_chi2: of the
-    figures that judge it; of_the_first: of the most likely on these; told_apart: whether the two together
+    figures that judge it; of_the_first: of the most likely on these; distinguished: whether the two together
     separate them.
     """
 
@@ -61,7 +61,7 @@ class RivalFound(Part):
     evidence: float
     held_out_chi2: float
     of_the_first: float
-    told_apart: bool
+    distinguished: bool
 
 
 class StageFound(Part):

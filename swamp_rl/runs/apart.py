@@ -23,7 +23,7 @@ REFUSED = re.compile(r"errno = (\d+)")
 def apart(work: Callable[P, R]) -> Callable[P, R]:
     """`work`, a function of a module, done in a new process: its value, or the UserError that it raises.
 
-    However else that process ends, OSError if it told the operating system's refusal, UserError if not.
+    However else that process ends, OSError if it printed the operating system's refusal, UserError if not.
     """
 
     @functools.wraps(work)
@@ -36,10 +36,10 @@ def apart(work: Callable[P, R]) -> Callable[P, R]:
             if refusal is not None:
                 raise UserError(refusal)
             return value
-        said = ended.stderr.decode(errors="replace")
-        if told := REFUSED.search(said):
-            raise OSError(int(told[1]), os.strerror(int(told[1])))
-        last = said.strip().splitlines()[-1:] or ["no message"]
+        output = ended.stderr.decode(errors="replace")
+        if refused := REFUSED.search(output):
+            raise OSError(int(refused[1]), os.strerror(int(refused[1])))
+        last = output.strip().splitlines()[-1:] or ["no message"]
         raise UserError(f"the process that wrote it ended with {ended.returncode}: {last[0]}")
 
     return done
@@ -51,10 +51,10 @@ def answer() -> None:
     os.dup2(2, 1)  # what libraries print is no part of the answer
     module, name, args, kwargs = pickle.load(sys.stdin.buffer)
     work: Any = getattr(import_module(module), name).__wrapped__
-    told: tuple[Any, str | None]
+    result: tuple[Any, str | None]
     try:
-        told = (work(*args, **kwargs), None)
+        result = (work(*args, **kwargs), None)
     except UserError as error:
-        told = (None, str(error))
+        result = (None, str(error))
     with os.fdopen(answered, "wb") as out:
-        pickle.dump(told, out)
+        pickle.dump(result, out)

@@ -40,8 +40,8 @@ def first_of(lines: Sequence[str]) -> list[str]:
 
 def listed(lines: Sequence[str], ending: str) -> str:
     """The first of the lines, and how it ends."""
-    told = first_of(lines)
-    return "\n".join([*told[:-1], f"{told[-1]}; {ending}"])
+    first = first_of(lines)
+    return "\n".join([*first[:-1], f"{first[-1]}; {ending}"])
 
 
 def gaps(steps: Array, fill: float) -> NDArray[np.bool_]:
@@ -55,10 +55,10 @@ def gap_faults(file: str, time: Array, rows: NDArray[np.int64], fill: float) -> 
     """The faults of gaps between rows at increasing times (T,) [s] that are to be resampled."""
     steps = np.diff(time)
 
-    def told(i: int) -> str:
+    def message(i: int) -> str:
         return f"{steps[i]:.6g} s after the row before; --fill SECONDS interpolates, --bad-rows cuts"
 
-    return faults_at(file, "time", rows[1:], gaps(steps, fill), told)
+    return faults_at(file, "time", rows[1:], gaps(steps, fill), message)
 
 
 def stretches(
@@ -87,7 +87,7 @@ def stretches(
     good = np.setdiff1d(good, again)
     bad[again] = True
     repeated = [Fault(file, int(rows[i]), "time", "is that of the row before") for i in again]
-    told = [str(fault) for fault in condensed([*faults, *repeated])]
+    lines = [str(fault) for fault in condensed([*faults, *repeated])]
     steps = np.diff(time[good])
     if even:
         forward = steps[steps > 0.0]
@@ -95,7 +95,7 @@ def stretches(
         border = np.abs(steps - period) > STEP_TOLERANCE * period
     else:
         border = (steps < 0.0) | gaps(steps, fill)
-    told += [
+    lines += [
         str(Fault(file, int(rows[good[i + 1]]), "time", f"{steps[i]:.6g} s after the row before"))
         for i in np.flatnonzero(border)[:MOST_TOLD]
         if not bad[good[i] : good[i + 1]].any()
@@ -103,25 +103,28 @@ def stretches(
     parts = np.split(good, np.flatnonzero(border) + 1)
     kept = [part for part in parts if len(part) >= FEWEST_ROWS]
     if not kept or bad.mean() > MOST_BAD:
-        raise UserError(_hopeless(file, told, even, float(bad.mean())))
+        raise UserError(_hopeless(file, lines, even, float(bad.mean())))
     if policy == "cut":
         kept = [max(kept, key=len)]
-    return Stretches(kept, _summary(rows, kept, told))
+    return Stretches(kept, _summary(rows, kept, lines))
 
 
-def _hopeless(file: str, told: Sequence[str], even: bool, share: float) -> str:
+def _hopeless(file: str, lines: Sequence[str], even: bool, share: float) -> str:
     """What is wrong with a file of which nothing can be kept."""
     if share > MOST_BAD:
         ending = f"{share:.0%} of the rows are bad, so a unit or the mapping is wrong; nothing was imported"
-        return listed(told, ending)
+        return listed(lines, ending)
     hint = ", or --resample HZ where the rows come at uneven times" if even else ""
     return f"{file}: no {FEWEST_ROWS} rows without a fault follow one another{hint}; nothing was imported"
 
 
-def _summary(rows: NDArray[np.int64], kept: list[NDArray[np.int64]], told: list[str]) -> list[str]:
+def _summary(rows: NDArray[np.int64], kept: list[NDArray[np.int64]], lines: list[str]) -> list[str]:
     count = sum(map(len, kept))
     if count == len(rows) and len(kept) == 1:
         return []
     spans = ", ".join(f"{rows[part[0]]} to {rows[part[-1]]}" for part in kept[:MOST_TOLD])
     more = f" and {len(kept) - MOST_TOLD} more" if len(kept) > MOST_TOLD else ""
-    return [f"{len(rows) - count} of {len(rows)} rows left out; kept are rows {spans}{more}", *first_of(told)]
+    return [
+        f"{len(rows) - count} of {len(rows)} rows left out; kept are rows {spans}{more}",
+        *first_of(lines),
+    ]

@@ -139,31 +139,35 @@ def inspect_dataset(
         raise UserError(f"{folder}: {NO_FOLDER}")
     if not folder.is_dir():
         raise UserError(f"{folder}: no such folder; name one that holds a {META}")
-    told, faults = parse(folder, boat, course)
+    description, faults = parse(folder, boat, course)
     found = Inspection(faults=faults + [Fault(SUMS, None, None, line) for line in changed(folder)])
-    if told is None:
+    if description is None:
         return found
-    found.named_boat, found.named_course = told.named_boat, told.named_course
+    found.named_boat, found.named_course = description.named_boat, description.named_course
     vessel = None
     try:
-        vessel = load_boat(told.named_boat) if told.named_boat else boat_of(folder, told.meta)
+        vessel = (
+            load_boat(description.named_boat) if description.named_boat else boat_of(folder, description.meta)
+        )
     except UserError as error:
         found.faults.append(Fault(META, None, None, str(error).removeprefix(f"{folder / META}: ")))
-    meta = found.meta = described(told, vessel)
+    meta = found.meta = described(description, vessel)
     if vessel is not None:
         found.faults += check_load(meta, vessel)
     if not meta.runs:
         found.faults.append(Fault(META, None, None, "runs: lists no runs; record some first"))
-    rate = None if "sample_rate" in told.lacking else meta.sample_rate
+    rate = None if "sample_rate" in description.lacking else meta.sample_rate
     for run in meta.runs:
         _inspect_run(folder, run, vessel, rate, found)
-    if "sample_rate" in told.lacking and not found.faults:
+    if "sample_rate" in description.lacking and not found.faults:
         rate, found.faults = common_rate(found.runs)
         found.meta = meta.model_copy(update={"sample_rate": rate})
-    if "runs" in told.lacking and not found.faults and vessel is not None:
-        found.runs = with_outcomes(found.runs, _course(folder, told.named_course, meta, vessel), vessel)
+    if "runs" in description.lacking and not found.faults and vessel is not None:
+        found.runs = with_outcomes(
+            found.runs, _course(folder, description.named_course, meta, vessel), vessel
+        )
         found.meta = found.meta.model_copy(update={"runs": [run.meta for run in found.runs]})
-    found.notes += noted(told, found.meta)
+    found.notes += noted(description, found.meta)
     _look_for_unlisted_files(folder, found)
     return found
 
@@ -176,10 +180,10 @@ def _course(folder: Path, named: str | Path | None, meta: DatasetMeta, vessel: B
 def read_meta(folder: Path) -> DatasetMeta:
     """What the folder's `dataset.yaml` says, and what it leaves out as for `read_dataset`; UserError at its
     first fault."""
-    told, faults = parse(folder)
-    if told is not None and not told.lacking:
-        return told.meta
-    return read_dataset(folder).meta if told is not None else _refused(folder, faults)
+    description, faults = parse(folder)
+    if description is not None and not description.lacking:
+        return description.meta
+    return read_dataset(folder).meta if description is not None else _refused(folder, faults)
 
 
 def own_boat(folder: Path) -> str | Path:

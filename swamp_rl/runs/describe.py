@@ -17,7 +17,7 @@ from swamp_rl.names import YAML, file_in
 from swamp_rl.runs.check import STEP_TOLERANCE, typical_step
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
-from swamp_rl.runs.schema import META, DatasetMeta, meta_told
+from swamp_rl.runs.schema import META, DatasetMeta, parsed_meta
 from swamp_rl.runs.table import FORMATS
 
 PARTICULARS = {"mass": "kg", "draught": "m", "water_density": "kg/m³"}
@@ -26,7 +26,7 @@ UNKNOWN: dict[str, Any] = {"mass": 1.0, "draught": 1.0, "water_density": 1.0, "s
 
 
 @dataclass(frozen=True)
-class Told:
+class Description:
     """A description that is right as far as it goes: `lacking` are the keys yet to be worked out.
 
     named_boat, named_course: the reader's, where they are taken.
@@ -40,7 +40,7 @@ class Told:
 
 def parse(
     folder: Path, boat: str | Path | None = None, course: str | Path | None = None
-) -> tuple[Told | None, list[Fault]]:
+) -> tuple[Description | None, list[Fault]]:
     """What the folder says of itself, and all that is wrong with that.
 
     boat, course: names or files that are taken where it has no `dataset.yaml`, the boat also where that names
@@ -48,26 +48,28 @@ def parse(
     """
     try:
         path = file_in(folder, META, YAML)
-        told = read_yaml(path) if path.exists() else {}
+        entries = read_yaml(path) if path.exists() else {}
     except UserError as error:
         return None, [Fault(META, None, None, str(error).removeprefix(f"{folder / META}: "))]
     tables = sorted(found.name for found in folder.iterdir() if is_table(found))
     if not path.exists() and (boat is None or not tables):
         return None, [Fault(META, None, None, _missing(folder, bool(tables)))]
-    whole = UNKNOWN | {"source": "measured", "runs": [{"file": name} for name in tables]} | told
-    named_boat = boat if "vehicle" not in told else None
+    whole = UNKNOWN | {"source": "measured", "runs": [{"file": name} for name in tables]} | entries
+    named_boat = boat if "vehicle" not in entries else None
     named_course = course if not path.exists() else None
     if named_boat is not None:
         whole["vehicle"] = _name(named_boat)
     if named_course is not None:
         whole["course"] = _name(named_course)
     try:
-        meta = meta_told(whole)
+        meta = parsed_meta(whole)
     except ValidationError as error:
         faults = explanations(error, DatasetMeta)
-        return None, [Fault(META, None, None, f"{key}: {said}" if key else said) for key, said in faults]
-    lacking = frozenset({*UNKNOWN, "source", "runs"} - set(told))
-    return Told(meta, lacking, named_boat, named_course), []
+        return None, [
+            Fault(META, None, None, f"{key}: {message}" if key else message) for key, message in faults
+        ]
+    lacking = frozenset({*UNKNOWN, "source", "runs"} - set(entries))
+    return Description(meta, lacking, named_boat, named_course), []
 
 
 def _name(config: str | Path) -> str:
@@ -90,11 +92,13 @@ def _missing(folder: Path, tables: bool) -> str:
     return "is missing, and with it the boat of these runs; name it: --boat NAME, or vehicle: NAME in it"
 
 
-def described(told: Told, boat: Boat | None) -> DatasetMeta:
+def described(description: Description, boat: Boat | None) -> DatasetMeta:
     """The description with the particulars that it lacks, from the boat."""
     if boat is None:
-        return told.meta
-    return told.meta.model_copy(update={k: getattr(boat, k) for k in PARTICULARS if k in told.lacking})
+        return description.meta
+    return description.meta.model_copy(
+        update={k: getattr(boat, k) for k in PARTICULARS if k in description.lacking}
+    )
 
 
 def common_rate(runs: Sequence[Run]) -> tuple[float, list[Fault]]:
@@ -118,7 +122,7 @@ def rate_of(runs: Sequence[Run]) -> float:
 
 
 def with_outcomes(runs: Sequence[Run], course: Course | None, boat: Boat) -> list[Run]:
-    """The runs, and where there is a course, how each ended on it if that is not told."""
+    """The runs, and where there is a course, how each ended on it if that is not stated."""
     if course is None:
         return list(runs)
     return [run if run.meta.outcome is not None else with_outcome(run, course, boat) for run in runs]
@@ -130,12 +134,14 @@ def with_outcome(run: Run, course: Course, boat: Boat) -> Run:
     return Run(run.name, run.columns, run.meta.model_copy(update={"outcome": found}))
 
 
-def noted(told: Told, meta: DatasetMeta) -> list[str]:
+def noted(description: Description, meta: DatasetMeta) -> list[str]:
     """A line that tells what was worked out, and one where the boat is not the dataset's own copy."""
     units = PARTICULARS | {"sample_rate": "Hz"}
-    found = [f"{key} {getattr(meta, key):g} {unit}" for key, unit in units.items() if key in told.lacking]
-    found += [f"source {meta.source}"] if "source" in told.lacking else []
-    found += [f"{len(meta.runs)} runs"] if "runs" in told.lacking else []
+    found = [
+        f"{key} {getattr(meta, key):g} {unit}" for key, unit in units.items() if key in description.lacking
+    ]
+    found += [f"source {meta.source}"] if "source" in description.lacking else []
+    found += [f"{len(meta.runs)} runs"] if "runs" in description.lacking else []
     notes = [f"worked out, as no {META} gives it: {', '.join(found)}"] if found else []
     if not meta.copies:
         notes.append(

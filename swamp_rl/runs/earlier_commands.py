@@ -32,9 +32,9 @@ def with_earlier_commands(run: Run, seconds: float) -> Run:
         name: at_times(name, run.time, values, then[kept]) if name in held else values[kept]
         for name, values in run.columns.items()
     }
-    told = (
+    earlier = (
         f"{abs(seconds):g} s {'earlier' if seconds > 0.0 else 'later'}; {np.count_nonzero(~kept)} rows "
         f"{'after the last' if seconds > 0.0 else 'before the first'} command left out"
     )
     own = of_part(run.meta.model_dump(), first=bool(kept[0]), last=bool(kept[-1]))
-    return Run(run.name, columns, RunMeta.model_validate(own | {"commands_shifted": told}))
+    return Run(run.name, columns, RunMeta.model_validate(own | {"commands_shifted": earlier}))

@@ -49,11 +49,11 @@ def write_lerobot(dataset: Dataset, folder: Path, copies: Mapping[str, bytes]) -
     _write_tasks(folder / "meta" / "tasks.parquet", task)
     _write_json(folder / "meta" / "stats.json", sums)
     _write_json(folder / "meta" / "info.json", _info(dataset, split, rate))
-    told = dataset.meta.model_dump(exclude_none=True, exclude={"runs"})
+    metadata = dataset.meta.model_dump(exclude_none=True, exclude={"runs"})
     runs = [
         {"name": run.name, **run.meta.model_dump(exclude_none=True, exclude={"file"})} for run in dataset.runs
     ]
-    _write_json(folder / "meta" / "swamp_rl.json", told | {"runs": runs})
+    _write_json(folder / "meta" / "swamp_rl.json", metadata | {"runs": runs})
     for name, held in copies.items():
         (folder / "meta" / name).write_bytes(held)
 
@@ -206,11 +206,11 @@ def _write_tasks(path: Path, task: str) -> None:
             "metadata": None,
         }
 
-    told = {
+    metadata = {
         "index_columns": ["task"],
         "column_indexes": [],
         "columns": [column("task_index", "int64", "int64"), column("task", "unicode", "object")],
         "pandas_version": "2.2.0",
     }
     table = pa.table({"task_index": pa.array([0], pa.int64()), "task": pa.array([task])})
-    pq.write_table(table.replace_schema_metadata({"pandas": json.dumps(told)}), path)
+    pq.write_table(table.replace_schema_metadata({"pandas": json.dumps(metadata)}), path)

@@ -59,9 +59,9 @@ def _written(dataset: Dataset, folder: Path, name: str, copies: Mapping[str, byt
             description=f"observations: {', '.join(split.state)}; actions: {', '.join(split.action)}",
             data_format="hdf5",
         )
-        told = dataset.meta.model_dump(exclude_none=True, exclude={"runs"})
+        metadata = dataset.meta.model_dump(exclude_none=True, exclude={"runs"})
         carried = {copy: held.decode() for copy, held in copies.items()}
-        made.storage.update_metadata({"swamp_rl": json.dumps(told), COPIES: json.dumps(carried)})
+        made.storage.update_metadata({"swamp_rl": json.dumps(metadata), COPIES: json.dumps(carried)})
     return identity
 
 
@@ -94,11 +94,11 @@ def _episode(number: int, run: Run, split: Split) -> Any:
     steps = len(run.time) - 1
     last = np.arange(steps) == steps - 1
     cut = run.meta.outcome in (None, "timeout", "diverged")
-    told = run.meta.model_dump(exclude_none=True, exclude={"file", "rows"})
+    metadata = run.meta.model_dump(exclude_none=True, exclude={"file", "rows"})
     return EpisodeBuffer(
         id=number,
         seed=run.meta.seed,
-        options={"run": json.dumps({"name": run.name, **told})},
+        options={"run": json.dumps({"name": run.name, **metadata})},
         observations=run.stacked(split.state),
         actions=run.stacked(split.action)[:-1],
         rewards=(last & (run.meta.outcome == "success")).astype(float),

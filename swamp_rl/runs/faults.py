@@ -30,12 +30,12 @@ class Fault:
         )
         row = [] if self.row is None else [f"row {self.row}{line}"]
         column = [] if self.column is None else [f"column {self.column}"]
-        told = self.message
+        message = self.message
         if self.alike:
-            told += f" (in {self.alike + 1} of rows {self.row} to {self.last})"
+            message += f" (in {self.alike + 1} of rows {self.row} to {self.last})"
         elif self.row is not None and self.last is not None and self.last > self.row:
-            told += f" (in each of rows {self.row} to {self.last}: {self.last - self.row + 1} rows)"
-        return ": ".join([self.file, *filter(None, [", ".join(row + column)]), told])
+            message += f" (in each of rows {self.row} to {self.last}: {self.last - self.row + 1} rows)"
+        return ": ".join([self.file, *filter(None, [", ".join(row + column)]), message])
 
 
 def condensed(faults: Sequence[Fault]) -> list[Fault]:

@@ -210,16 +210,16 @@ def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishe
         raise UserError(
             "--fill: fills gaps of joined tables and of --resample HZ; give that, or leave it out"
         )
-    told = _agreed(found)
+    metadata = _agreed(found)
     with tempfile.TemporaryDirectory() as scratch:
         home = found[0].home or Path(scratch)
         write_copies(home, found[0].copies)
-        source: str | Path = about.boat or (boat_file(home, told) if told else "swamp")
-        course = about.course or (course_file(home, told) if told else None)
+        source: str | Path = about.boat or (boat_file(home, metadata) if metadata else "swamp")
+        course = about.course or (course_file(home, metadata) if metadata else None)
         boat = load_boat(source)
         runs = _earlier(_all_runs(found, wishes, boat), wishes)
-        runs = _ended(runs, about, course, boat, told is None)
-        return _write(Path(out), _described(about, boat, told, runs, wishes), runs, source, course)
+        runs = _ended(runs, about, course, boat, metadata is None)
+        return _write(Path(out), _described(about, boat, metadata, runs, wishes), runs, source, course)
 
 
 def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]:
@@ -231,7 +231,7 @@ def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]
         except UserError as error:
             refused += str(error).splitlines()
     if refused:
-        refused = list(dict.fromkeys(refused))  # what every file lacks, such as a package, is told once
+        refused = list(dict.fromkeys(refused))  # what every file lacks, such as a package, is named once
         raise UserError("\n".join(refused[:MOST_TOLD] + _others(len(refused) - MOST_TOLD)))
     return runs
 
@@ -258,8 +258,8 @@ def _ended(runs: list[Run], about: About, course: str | Path | None, boat: Boat,
     return with_outcomes(runs, found, boat) if foreign else runs
 
 
-def _with(run: Run, **told: str) -> Run:
-    return Run(run.name, run.columns, run.meta.model_copy(update=told))
+def _with(run: Run, **message: str) -> Run:
+    return Run(run.name, run.columns, run.meta.model_copy(update=message))
 
 
 def files_of_kind(sources: Sequence[Path], kind: str) -> list[Path]:
@@ -338,13 +338,13 @@ def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tu
 
 def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
     """What all the files say of their dataset; UserError where they are of different ones."""
-    told = [
+    described = [
         (one.file, one.dataset.model_copy(update={"runs": []})) for one in found if one.dataset is not None
     ]
-    for file, dataset in told:
-        if dataset != told[0][1]:
-            raise UserError(f"{file}: is of another dataset than {told[0][0]}; import them separately")
-    return told[0][1] if told else None
+    for file, dataset in described:
+        if dataset != described[0][1]:
+            raise UserError(f"{file}: is of another dataset than {described[0][0]}; import them separately")
+    return described[0][1] if described else None
 
 
 def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None, wishes: Wishes) -> Foreign:
@@ -360,22 +360,22 @@ def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None, wishes: Wis
 
 
 def _described(
-    about: About, boat: Boat, told: DatasetMeta | None, runs: Sequence[Run], wishes: Wishes
+    about: About, boat: Boat, metadata: DatasetMeta | None, runs: Sequence[Run], wishes: Wishes
 ) -> DatasetMeta:
-    """`dataset.yaml` of the new dataset; what the source's own said stays, but for what was asked."""
+    """`dataset.yaml` of the new dataset; entries of the source's own stay, except those given."""
     rate = wishes.resample or wishes.rate or rate_of(runs)
-    if told is not None and abs(told.sample_rate / rate - 1.0) < 1e-6:
-        rate = told.sample_rate
-    particulars = told if told is not None and about.boat is None else boat
+    if metadata is not None and abs(metadata.sample_rate / rate - 1.0) < 1e-6:
+        rate = metadata.sample_rate
+    particulars = metadata if metadata is not None and about.boat is None else boat
     return DatasetMeta(
         vehicle=boat.name,
         mass=particulars.mass,
         draught=particulars.draught,
         water_density=particulars.water_density,
         sample_rate=rate,
-        source=about.source or (told.source if told else "measured"),
-        notes=about.notes or (told.notes if told else None),
-        licence=told.licence if told else None,
+        source=about.source or (metadata.source if metadata else "measured"),
+        notes=about.notes or (metadata.notes if metadata else None),
+        licence=metadata.licence if metadata else None,
     )
 
 

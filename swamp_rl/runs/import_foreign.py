@@ -90,15 +90,15 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
     UserError lists the faults with file, row, column and what to do.
     """
     columns, faults, unread = _renamed(found, wishes)
-    rows, told = found.table.rows, found.meta.model_dump(exclude={"file", "rows"})
+    rows, metadata = found.table.rows, found.meta.model_dump(exclude={"file", "rows"})
     if not found.table.columns:
         refuse(found, wishes, faults)
-    late = _to_our_units(found, wishes, columns, told)
+    late = _to_our_units(found, wishes, columns, metadata)
     if any(fault.row is not None for fault in late):
         unread["time"] = ~np.isfinite(columns["time"])
     faults += late
     more, place = _place(found, columns, unread, wishes.origin)
-    faults, told = faults + more, told | place
+    faults, metadata = faults + more, metadata | place
     _wrap_angles(columns)
     faults += check_table(found.file, Table(columns, rows, unread), boat, None)
     faults += _spelled_otherwise(found, list(columns), boat)
@@ -110,12 +110,12 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
             faults = [fault for fault in faults if not _of_steps(fault)]
             faults += gap_faults(found.file, time, rows, wishes.fill)
         refuse(found, wishes, faults)
-        return [_run(found.name, columns, told, wishes.resample)]
+        return [_run(found.name, columns, metadata, wishes.resample)]
     refuse(found, wishes, [fault for fault in faults if fault.row is None and not _is_of_rate(fault)])
     wrong = [fault for fault in faults if fault.row is not None and not _of_steps(fault)]
     even = wishes.resample is None
     kept = stretches(found.file, columns, rows, wrong, wishes.bad_rows, even, wishes.fill)
-    told |= {"rows_left_out": kept.cut} if kept.cut else {}
+    metadata |= {"rows_left_out": kept.cut} if kept.cut else {}
     runs = []
     for number, part in enumerate(kept.kept, 1):
         name = found.name if wishes.bad_rows == "cut" else f"{found.name}-{number}"
@@ -123,14 +123,14 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
         refuse(
             found, wishes, [f for f in check_table(found.file, Table(taken, rows[part]), boat, None) if even]
         )
-        own = of_part(told, first=part[0] == 0, last=part[-1] == len(rows) - 1)
+        own = of_part(metadata, first=part[0] == 0, last=part[-1] == len(rows) - 1)
         runs.append(_run(name, taken, own, wishes.resample))
-        told.pop("rows_left_out", None)
+        metadata.pop("rows_left_out", None)
     return runs
 
 
 def _to_our_units(
-    found: Foreign, wishes: Wishes, columns: dict[str, Array], told: dict[str, Any]
+    found: Foreign, wishes: Wishes, columns: dict[str, Array], metadata: dict[str, Any]
 ) -> list[Fault]:
     """Bring columns and times into our units, and return the faults of times that are none."""
     for name, unit in wishes.units.items():
@@ -138,18 +138,18 @@ def _to_our_units(
             raise UserError(f"{found.file}: has no column {name} to be given in {unit}; check the name")
         if name != "time" or not _has_stamps(found):
             columns[name] = columns[name] * factor(name, unit)
-    told |= {"units": dict(wishes.units)} if wishes.units else {}
+    metadata |= {"units": dict(wishes.units)} if wishes.units else {}
     if wishes.rate is not None:
         columns["time"] = np.arange(len(found.table.rows)) / wishes.rate
-        told["times"] = f"counted, {wishes.rate:g} rows a second"
+        metadata["times"] = f"counted, {wishes.rate:g} rows a second"
         return []
-    late = _to_seconds(found, wishes, columns, told) if "time" in columns and _has_stamps(found) else []
+    late = _to_seconds(found, wishes, columns, metadata) if "time" in columns and _has_stamps(found) else []
     refuse(found, wishes, _times_in_days(found.file, columns.get("time", np.zeros(0))))
     return late
 
 
 def _to_seconds(
-    found: Foreign, wishes: Wishes, columns: dict[str, Array], told: dict[str, Any]
+    found: Foreign, wishes: Wishes, columns: dict[str, Array], metadata: dict[str, Any]
 ) -> list[Fault]:
     """Bring times into seconds, ticks since 1970 into those from the first on, and return the faults of times
     that are none."""
@@ -159,8 +159,8 @@ def _to_seconds(
         times = from_numbers(stamps, found.file, asked)
     except UserError as error:
         return [Fault(found.file, None, "time", str(error).removeprefix(f"{found.file}: "))]
-    columns["time"] = stamps * (asked or 1.0) if times.told is None else times.time
-    told |= {"times": times.told} if times.told else {}
+    columns["time"] = stamps * (asked or 1.0) if times.note is None else times.time
+    metadata |= {"times": times.note} if times.note else {}
     late = np.isfinite(stamps) & ~np.isfinite(columns["time"])
     return faults_at(found.file, "time", found.table.rows, late, lambda i: NO_TIME)
 
@@ -189,8 +189,8 @@ def _spelled_otherwise(found: Foreign, names: Sequence[str], boat: Boat) -> list
         ours = name.strip().lower()
         if ours not in {*names, *REQUIRED} and _is_known(ours, boat) and not _is_known(name, boat):
             where = " in the mapping" if found.mapped else f": --column {ours}={shlex.quote(name)}"
-            told = f"is {ours} of the run format; name it so{where}"
-            faults.append(Fault(found.file, None, name, told))
+            message = f"is {ours} of the run format; name it so{where}"
+            faults.append(Fault(found.file, None, name, message))
     return faults
 
 
@@ -207,8 +207,8 @@ def _times_in_days(file: str, time: Array) -> list[Fault]:
     step = float(np.median(steps)) if len(steps) else 0.0
     if not 0.0 < step < 1.0 / FASTEST:
         return []
-    told = f"the rows are {step:.3g} s apart, as of times in days; give them in s (--unit time=d)"
-    return [Fault(file, None, "time", told)]
+    message = f"the rows are {step:.3g} s apart, as of times in days; give them in s (--unit time=d)"
+    return [Fault(file, None, "time", message)]
 
 
 def _is_of_rate(fault: Fault) -> bool:
@@ -220,16 +220,16 @@ def _of_steps(fault: Fault) -> bool:
     return fault.column == "time" and ("the row before" in fault.message or "come after" in fault.message)
 
 
-def _run(name: str, columns: dict[str, Array], told: Mapping[str, Any], resample: float | None) -> Run:
+def _run(name: str, columns: dict[str, Array], metadata: Mapping[str, Any], resample: float | None) -> Run:
     if resample is None:
-        return Run(name, columns, RunMeta.model_validate(told))
+        return Run(name, columns, RunMeta.model_validate(metadata))
     even = resampled(columns, resample)
     longest = float(np.diff(columns["time"]).max())
-    said = (
+    message = (
         f"{len(columns['time'])} rows to {len(even['time'])}, {resample:g} a second; "
         f"longest step between rows {longest:.3g} s"
     )
-    return Run(name, even, RunMeta.model_validate({**told, "resampled": said}))
+    return Run(name, even, RunMeta.model_validate({**metadata, "resampled": message}))
 
 
 def _renamed(
@@ -259,8 +259,8 @@ def _renamed(
 def refuse(found: Foreign, wishes: Wishes, faults: Sequence[Fault]) -> None:
     """Raise the faults of a table, each with the column's name in the file and the option that may help."""
     if faults:
-        told = [_with_hint(wishes, fault, found.mapped) for fault in condensed(faults)]
-        raise UserError(listed(told, "nothing was imported"))
+        lines = [_with_hint(wishes, fault, found.mapped) for fault in condensed(faults)]
+        raise UserError(listed(lines, "nothing was imported"))
 
 
 def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:
@@ -320,12 +320,12 @@ def _place(
         values = columns[name]
         wrong = ~(np.abs(values) <= most) & known
 
-        def said(i: int, values: Array = values, name: str = name, most: float = most) -> str:
+        def message(i: int, values: Array = values, name: str = name, most: float = most) -> str:
             nmea = abs(values[i]) <= 100.0 * most + 60.0
             hint = "; of NMEA's ddmm.mmmm, the two digits before the point and those behind it are minutes"
             return f"{values[i]:.9g} is no {name} in degrees; correct it{hint if nmea else ''}"
 
-        faults += faults_at(found.file, name, rows, wrong, said)
+        faults += faults_at(found.file, name, rows, wrong, message)
         known &= ~wrong
     none = (columns["latitude"] == 0.0) & (columns["longitude"] == 0.0) & known
     if not none.all():

@@ -88,8 +88,8 @@ def read_telemetry(
     if boat is not None:
         columns |= command_columns(_by_sender(modules, stamps[0] * 10**6 // ticks), time, boat)
     kept = {name: column for name, column in values.items() if name not in ("sender", "utc", "yaw")}
-    told = {"utc_start": stamps[0] / ticks, "sender": int(words[chosen[0]][0]), "velocity_axes": "earth"}
-    return Foreign(path.name, path.stem, Table(columns | kept, lines), RunMeta.model_validate(told))
+    metadata = {"utc_start": stamps[0] / ticks, "sender": int(words[chosen[0]][0]), "velocity_axes": "earth"}
+    return Foreign(path.name, path.stem, Table(columns | kept, lines), RunMeta.model_validate(metadata))
 
 
 def _by_sender(modules: list[list[int]], start: int) -> dict[int, Array]:
@@ -166,10 +166,10 @@ def _refuse_invalid(path: Path, lines: NDArray[np.int64], values: dict[str, Arra
 
 def _refuse_degrees(path: Path, values: dict[str, Array]) -> None:
     """The matrix holds cos(yaw) cos(pitch), whichever way it is written, and so tells the angles' unit."""
-    told = values["orientation_11"]
+    angles = values["orientation_11"]
     radians = np.cos(values["yaw"]) * np.cos(values["pitch"])
     degrees = np.cos(np.radians(values["yaw"])) * np.cos(np.radians(values["pitch"]))
-    if np.abs(degrees - told).max() < 0.01 < np.abs(radians - told).max():
+    if np.abs(degrees - angles).max() < 0.01 < np.abs(radians - angles).max():
         raise UserError(
             f"{path}: field 2 (yaw) is in degrees, as the orientation matrix shows; add --degrees heading"
         )

@@ -23,7 +23,7 @@ from swamp_rl.runs.copies import carried_boat
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.run import Run
-from swamp_rl.runs.schema import DatasetMeta, RunMeta, meta_told
+from swamp_rl.runs.schema import DatasetMeta, RunMeta, parsed_meta
 from swamp_rl.runs.table import Table
 
 TOPIC = "/run"
@@ -43,15 +43,15 @@ def write_mcap(path: Path, run: Run, dataset: DatasetMeta, copies: Mapping[str, 
     Writer = _mcap("mcap.writer").Writer
     properties = {name: {"type": "number"} for name in run.columns}
     schema = {"type": "object", "title": "Run", "properties": properties, "required": list(run.columns)}
-    told = {"run": _json(run.meta), "dataset": _json(dataset.model_copy(update={"runs": []}))}
-    told["copies"] = json.dumps({name: held.decode() for name, held in copies.items()})
-    told["sha256"] = _digest(told)
+    records = {"run": _json(run.meta), "dataset": _json(dataset.model_copy(update={"runs": []}))}
+    records["copies"] = json.dumps({name: held.decode() for name, held in copies.items()})
+    records["sha256"] = _digest(records)
     with write_beside(path) as part, part.open("wb") as stream:
         writer = Writer(stream)
         writer.start(profile="", library=RECORD)
         kind = writer.register_schema("swamp_rl.Run", "jsonschema", json.dumps(schema).encode())
         channel = writer.register_channel(TOPIC, "json", kind)
-        writer.add_metadata(RECORD, told)
+        writer.add_metadata(RECORD, records)
         stamps = np.round((run.time - run.time[0]) * 1e9).astype(np.int64)
         rows = zip(*(values.tolist() for values in run.columns.values()), strict=True)
         for number, (stamp, row) in enumerate(zip(stamps.tolist(), rows, strict=True)):
@@ -60,8 +60,8 @@ def write_mcap(path: Path, run: Run, dataset: DatasetMeta, copies: Mapping[str, 
         writer.finish()
 
 
-def _json(told: RunMeta | DatasetMeta) -> str:
-    return json.dumps(told.model_dump(exclude_none=True, exclude={"file", "rows"}))
+def _json(meta: RunMeta | DatasetMeta) -> str:
+    return json.dumps(meta.model_dump(exclude_none=True, exclude={"file", "rows"}))
 
 
 def read_mcap(path: Path, topic: str | None = None) -> Foreign:
@@ -83,7 +83,7 @@ def read_mcap(path: Path, topic: str | None = None) -> Foreign:
             found = messages.setdefault(channel.topic, [])
             found.append((message.log_time, _parsed(path, channel.topic, len(found) + 1, message.data)))
     chosen = _topic(path, messages, others, topic)
-    meta, dataset, copies = _told(path, record)
+    meta, dataset, copies = _metadata(path, record)
     return Foreign(path.name, path.stem, _table(path, messages[chosen]), meta, dataset, copies)
 
 
@@ -94,7 +94,7 @@ def boat_of_mcap(path: Path) -> Boat | None:
     record: dict[str, str] | None = None
     with _reading(path), ordinary(path, None).open("rb") as stream:
         record = _own_record(path, stream)
-    _, dataset, copies = _told(path, record)
+    _, dataset, copies = _metadata(path, record)
     return None if dataset is None else carried_boat(dataset, copies)
 
 
@@ -104,9 +104,9 @@ def _own_record(path: Path, stream: Any) -> dict[str, str] | None:
     UserError for a file that is too large unpacked.
     """
     _refuse_unpacked(path, stream)
-    told = {record.name: record.metadata for record in _reader(stream).iter_metadata()}
+    records = {record.name: record.metadata for record in _reader(stream).iter_metadata()}
     ours = _reader(stream).get_header().library == RECORD
-    found: dict[str, str] | None = told.get(RECORD, {} if ours else None)
+    found: dict[str, str] | None = records.get(RECORD, {} if ours else None)
     return found
 
 
@@ -124,10 +124,10 @@ def _refuse_unpacked(path: Path, stream: Any) -> None:
             raise ValueError("a chunk is larger than it declares")
 
 
-def _unpacked(compression: str, data: bytes, told: int) -> int:
-    """How many bytes it will unpack to, at most one more than is told; 0 where mcap itself keeps to that."""
+def _unpacked(compression: str, data: bytes, stated: int) -> int:
+    """How many bytes it will unpack to, at most one more than stated; 0 where mcap itself keeps to that."""
     if compression == "lz4":
-        return len(importlib.import_module("lz4.frame").LZ4FrameDecompressor().decompress(data, told + 1))
+        return len(importlib.import_module("lz4.frame").LZ4FrameDecompressor().decompress(data, stated + 1))
     if compression == "zstd":
         return int(importlib.import_module("zstandard").frame_content_size(data))
     return 0
@@ -139,8 +139,8 @@ def _reader(stream: Any) -> Any:
     return _mcap("mcap.reader").NonSeekingReader(stream, validate_crcs=True)
 
 
-def _digest(told: Mapping[str, str]) -> str:
-    return hashlib.sha256("\n".join(told[key] for key in ("run", "dataset", "copies")).encode()).hexdigest()
+def _digest(record: Mapping[str, str]) -> str:
+    return hashlib.sha256("\n".join(record[key] for key in ("run", "dataset", "copies")).encode()).hexdigest()
 
 
 def _mcap(name: str) -> Any:
@@ -211,7 +211,9 @@ def _listed(topics: Collection[str]) -> str:
     return (f"{some} …" if len(topics) > MOST_NAMED else some) or "none"
 
 
-def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMeta | None, dict[str, bytes]]:
+def _metadata(
+    path: Path, record: dict[str, str] | None
+) -> tuple[RunMeta, DatasetMeta | None, dict[str, bytes]]:
     if record is None:
         return RunMeta(), None, {}
     try:
@@ -219,7 +221,7 @@ def _told(path: Path, record: dict[str, str] | None) -> tuple[RunMeta, DatasetMe
             raise ValueError("its SHA-256 is another")
         meta = RunMeta.model_validate(parsed_json(record["run"]))
         copies = {name: text.encode() for name, text in parsed_json(record["copies"]).items()}
-        return meta, meta_told(parsed_json(record["dataset"])), copies
+        return meta, parsed_meta(parsed_json(record["dataset"])), copies
     except ValidationError as error:
         raise explain(f"{path}: its record {RECORD}", error) from error
     except (KeyError, ValueError, AttributeError) as error:
@@ -247,12 +249,12 @@ def _table(path: Path, messages: list[tuple[int, dict[str, Any]]]) -> Table:
         if unread.any():
             first = int(np.argmax(unread))
             wrong = messages[first][1].get(name)
-            said = (
+            advice = (
                 "is missing; complete the messages"
                 if wrong is None
                 else f"{str(wrong)[:40]!r} is not a number"
             )
-            table.faults.append(Fault(path.name, first + 1, name, said))
+            table.faults.append(Fault(path.name, first + 1, name, advice))
         table.columns[name], table.unread[name] = values, unread
     if "time" not in table.columns:
         stamps = [stamp for stamp, _ in messages]

@@ -40,13 +40,13 @@ def without_marks(file: str, table: Table, angles: Collection[str] = ()) -> Tabl
                 continue
             columns[name] = np.where(wrong, np.nan, columns[name])
             unread[name] = unread.get(name, np.zeros(len(values), bool)) | wrong
-            told = f"is missing, marked by {mark:.0f}; fill it in or remove the row"
-            faults += faults_at(file, name, table.rows, wrong, partial(_said, told))
+            message = f"is missing, marked by {mark:.0f}; fill it in or remove the row"
+            faults += faults_at(file, name, table.rows, wrong, partial(_message, message))
     return replace(table, columns=columns, unread=unread, faults=faults)
 
 
-def _said(told: str, row: int) -> str:
-    return told
+def _message(message: str, row: int) -> str:
+    return message
 
 
 def _nines(values: NDArray[np.float64]) -> list[float]:

@@ -48,10 +48,10 @@ OF_THE_WHOLE = ("outcome", "gates", "seconds")
 """Entries that tell how all of a run went."""
 
 
-def of_part(told: Mapping[str, Any], first: bool, last: bool) -> dict[str, Any]:
+def of_part(metadata: Mapping[str, Any], first: bool, last: bool) -> dict[str, Any]:
     """The entries of a run that are true of a part of it; first, last: whether the part has these rows."""
     lost = (() if first else OF_THE_START) + (() if first and last else OF_THE_WHOLE)
-    return {key: value for key, value in told.items() if key not in lost}
+    return {key: value for key, value in metadata.items() if key not in lost}
 
 
 FROM_A_FILE = object()
@@ -112,7 +112,7 @@ class DatasetMeta(BaseModel):
         return self
 
 
-def meta_told(data: Mapping[str, Any]) -> DatasetMeta:
+def parsed_meta(data: Mapping[str, Any]) -> DatasetMeta:
     """What a file says of a dataset, wherever it comes from; ValidationError where a name is a path."""
     return DatasetMeta.model_validate(data, context=FROM_A_FILE)
 

@@ -32,13 +32,13 @@ A diagnosis needs a row every second."""
 @dataclass(frozen=True)
 class Stamps:
     """`time` (T,) s from the first one, NaN where there is none; `start`: that one in s, on the log's clock:
-    since 1970, of times of a day since midnight, of other numbers since their zero; `told`: what the log
+    since 1970, of times of a day since midnight, of other numbers since their zero; `note`: what the log
     writes; `of_a_day`: whether it is times of a day; `month_first`: of dates of which the order of day and
     month is not known, the start were the month first."""
 
     time: Array
     start: float
-    told: str | None
+    note: str | None
     of_a_day: bool = False
     month_first: float | None = None
 
@@ -113,7 +113,7 @@ def _microseconds(moments: Iterable[datetime | None]) -> pa.Array:
     return pa.array([None if moment is None else (moment - ZERO) // one for moment in moments], pa.int64())
 
 
-def _since_1970(stamps: pa.ChunkedArray | pa.Array, ticks: int, told: str) -> Stamps | None:
+def _since_1970(stamps: pa.ChunkedArray | pa.Array, ticks: int, note: str) -> Stamps | None:
     """Whole ticks since 1970, missing outside YEARS; None where all are."""
     whole = np.asarray(pc.fill_null(stamps, 0))
     known = np.asarray(pc.is_valid(stamps)) & (whole >= YEARS[0] * ticks) & (whole < YEARS[1] * ticks)
@@ -121,7 +121,7 @@ def _since_1970(stamps: pa.ChunkedArray | pa.Array, ticks: int, told: str) -> St
         return None
     first = int(whole[np.argmax(known)])
     time = np.where(known, (whole - first) / ticks, np.nan)
-    return Stamps(time, first / ticks, f"{told}, from {_iso(first / ticks)}")
+    return Stamps(time, first / ticks, f"{note}, from {_iso(first / ticks)}")
 
 
 def _of_a_day(cells: pa.ChunkedArray, seconds: pa.ChunkedArray | pa.Array) -> Stamps | None:
@@ -135,8 +135,8 @@ def _of_a_day(cells: pa.ChunkedArray, seconds: pa.ChunkedArray | pa.Array) -> St
     first = int(known[0])
     days = -np.cumsum(np.round(np.diff(time[known], prepend=time[first]) / DAY))
     time[known] += days * DAY
-    told = f"of a day, from {cell_text(cells, first).strip()}{PAST_MIDNIGHT if days.any() else ''}"
-    return Stamps(time - time[first], float(time[first]), told, of_a_day=True)
+    note = f"of a day, from {cell_text(cells, first).strip()}{PAST_MIDNIGHT if days.any() else ''}"
+    return Stamps(time - time[first], float(time[first]), note, of_a_day=True)
 
 
 def on_one_day(stamps: Mapping[str, Stamps]) -> dict[str, Stamps]:
@@ -144,7 +144,7 @@ def on_one_day(stamps: Mapping[str, Stamps]) -> dict[str, Stamps]:
     without one of the first of them. Where the order of day and month is not known, it is the one nearer to
     the first date of which it is.
     """
-    dated = {name: one for name, one in stamps.items() if one.told and not one.of_a_day}
+    dated = {name: one for name, one in stamps.items() if one.note and not one.of_a_day}
     date = next((one.start for one in dated.values() if one.month_first is None), None)
     ordered = {name: _ordered(one, date) for name, one in stamps.items()}
     firsts = [ordered[name].start for name in dated]
@@ -160,7 +160,7 @@ def _ordered(one: Stamps, date: float | None) -> Stamps:
     if one.of_a_day or one.month_first is None or date is None:
         return one
     start = min(one.start, one.month_first, key=lambda start: abs(start - date))
-    return replace(one, start=start, told=f"dates and times, from {_iso(start)}", month_first=None)
+    return replace(one, start=start, note=f"dates and times, from {_iso(start)}", month_first=None)
 
 
 def _time_of_day(cell: str | None) -> float | None:

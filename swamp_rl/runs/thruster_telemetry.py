@@ -61,15 +61,15 @@ def command_columns(lines: Mapping[int, Array], time: Array, boat: Boat) -> dict
         if (own := lines.get(FIRST_MODULE + k)) is None:
             continue
         for prefix, what, instants in (("", "reference", middle), ("applied_", "actual", time)):
-            throttle = last_told(own, f"thrust_{what}", instants) / FULL
-            azimuth = azimuth_angle(1.0) * last_told(own, f"azimuth_{what}", instants)
+            throttle = last_reported(own, f"thrust_{what}", instants) / FULL
+            azimuth = azimuth_angle(1.0) * last_reported(own, f"azimuth_{what}", instants)
             for name, values in zip(thruster.command_columns, (azimuth, throttle), strict=True):
                 if name is not None:
                     columns[f"{prefix}{name}"] = values
     return columns
 
 
-def last_told(lines: Array, field: str, at: Array) -> Array:
+def last_reported(lines: Array, field: str, at: Array) -> Array:
     """(T,) a field of the last of lines (L, 10) at or before each time `at` (T,); NaN before the first."""
     index = np.searchsorted(lines[:, MODULE_FIELDS.index("utc")], at, side="right") - 1
     values = lines[np.maximum(index, 0), MODULE_FIELDS.index(field)]

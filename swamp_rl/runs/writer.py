@@ -170,9 +170,9 @@ def write_run(path: Path | str, run: Run) -> None:
 def _as_yaml(folder: Path, meta: DatasetMeta) -> str:
     """The text of `dataset.yaml`; UserError where it would be too long to be read."""
     # runs, even where there are none yet: left out, they would be whatever tables lie there
-    told = meta.model_dump(exclude_defaults=True)
+    entries = meta.model_dump(exclude_defaults=True)
     try:
-        return yaml_text(told | {"runs": told.get("runs", [])})
+        return yaml_text(entries | {"runs": entries.get("runs", [])})
     except UserError as error:
         raise UserError(f"{folder / META}: {error}; put further runs into another folder") from error
 

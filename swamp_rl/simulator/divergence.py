@@ -37,9 +37,9 @@ def refuse_divergence(name: str, params: NDArray[Any], tank: Array) -> None:
     of 0.5 with drift and turn, under full thrust ahead, the port side's alone and hard over, and none. That a
     record passed is kept beside the machine code, so that each boat is tried once.
     """
-    told = hashlib.sha256(params.tobytes() + tank.tobytes() + str(params.dtype).encode()).hexdigest()
+    digest = hashlib.sha256(params.tobytes() + tank.tobytes() + str(params.dtype).encode()).hexdigest()
     kept = cache_folder()
-    passed = None if kept is None else kept / f"bounded-{told[:32]}"
+    passed = None if kept is None else kept / f"bounded-{digest[:32]}"
     if passed is not None and passed.exists():
         return
     length = float(params["length"][0])

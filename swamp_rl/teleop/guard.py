@@ -79,9 +79,9 @@ class Guard:
             return Objection(400, "its token is not made of letters and digits")
         if self.token is None:
             return None
-        given = {place: said for place, said in (("query", word), ("cookie", _cookie(scope))) if said}
-        looked_at = {place: said for place, said in given.items() if not self._locked_out(scope, place)}
-        if any(hmac.compare_digest(said.encode(), self.token.encode()) for said in looked_at.values()):
+        given = {place: token for place, token in (("query", word), ("cookie", _cookie(scope))) if token}
+        looked_at = {place: token for place, token in given.items() if not self._locked_out(scope, place)}
+        if any(hmac.compare_digest(token.encode(), self.token.encode()) for token in looked_at.values()):
             return None
         for place in looked_at:
             self._count_wrong(scope, place)

@@ -19,7 +19,7 @@ from swamp_rl.teleop.messages import Choose, Command, Message, parse
 from swamp_rl.teleop.session import SAVING, Session
 
 PAUSE = 0.2  # s until a clock that stopped is started again
-STILL = 5.0  # s that the clock may stand still before that is told
+STILL = 5.0  # s that the clock may stand still before the page reports it
 FRAME = 0.02  # s between two frames: 50 a second, and one more whenever the levers move
 RATE, BURST = 150.0, 300.0  # messages a second that a connection may send; a page sends at most 80
 PATIENCE = 2000  # messages beyond that, until the connection is closed
@@ -41,9 +41,9 @@ class Client:
     wake: asyncio.Event = field(default_factory=asyncio.Event)
     excess: int = 0
 
-    def tell(self, said: dict[str, Any]) -> None:
+    def tell(self, message: dict[str, Any]) -> None:
         """Have a message sent."""
-        self.news.append(json.dumps(said, allow_nan=False))
+        self.news.append(json.dumps(message, allow_nan=False))
         self.wake.set()
 
 
@@ -55,7 +55,7 @@ class Hub:
         self.session, self.source, self._clock = session, source, clock
         self.clients: list[Client] = []
         self.driver: Client | None = None
-        self._commanded, self._told_free = -SILENCE, True
+        self._commanded, self._announced_free = -SILENCE, True
         self._numbers = 0
         self._origin, self.beat = clock(), time.monotonic()
 
@@ -99,7 +99,7 @@ class Hub:
             for client in self.clients:
                 client.frame = text
                 client.wake.set()
-        if self.session.listen() or self.session.phase != phase or self.seat_is_free != self._told_free:
+        if self.session.listen() or self.session.phase != phase or self.seat_is_free != self._announced_free:
             self.publish()
 
     # --- connections ---
@@ -165,7 +165,7 @@ class Hub:
             self.session.lose()
         self.publish()
 
-    # --- what is said ---
+    # --- messages ---
 
     async def _obey(self, client: Client, message: Message) -> None:
         if not isinstance(message, Command | Choose) and message.act == "seat":
@@ -224,10 +224,10 @@ class Hub:
 
     def publish(self) -> None:
         """Tell everyone how things stand."""
-        self._told_free = self.seat_is_free
+        self._announced_free = self.seat_is_free
         stands = view.status(self.session) | {
             "watchers": len(self.clients) - (self.driver is not None),
-            "seat_taken": not self._told_free,
+            "seat_taken": not self._announced_free,
         }
         for client in self.clients:
             client.tell({**stands, "driving": client is self.driver})
@@ -236,7 +236,7 @@ class Hub:
         """Show a line to one, or to everyone."""
         self.tell(client, {"type": "say", "text": text})
 
-    def tell(self, client: Client | None, said: dict[str, Any]) -> None:
+    def tell(self, client: Client | None, message: dict[str, Any]) -> None:
         """A message to one, or to everyone."""
         for other in self.clients if client is None else [client]:
-            other.tell(said)
+            other.tell(message)

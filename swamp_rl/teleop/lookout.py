@@ -53,8 +53,8 @@ class Lookout:
             sample = replace(sample, senses=sample.senses + noise)
         self._order(sample)
 
-    def said(self) -> list[str]:
-        """What it has said since it was asked last: first of a run whether it watches already."""
+    def messages(self) -> list[str]:
+        """Messages since the last call: first of a run whether it watches already."""
         return [self._lines.popleft() for _ in range(len(self._lines))]
 
     @property

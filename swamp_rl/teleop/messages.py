@@ -63,8 +63,8 @@ def parse(text: str | bytes) -> Message:
     try:
         return _ANY.validate_json(text)
     except ValidationError as error:
-        place, told = explanations(error, None)[0]
-        fault = clipped(f"{place}: {told}" if place else told, LONGEST_FAULT)
+        place, message = explanations(error, None)[0]
+        fault = clipped(f"{place}: {message}" if place else message, LONGEST_FAULT)
         raise UserError(f"malformed message ({fault}); load the page again") from error
 
 

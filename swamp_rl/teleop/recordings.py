@@ -106,7 +106,7 @@ class Recordings:
                 moved.unlink()
         journal.remove()
 
-    def told(self) -> str:
+    def sentence(self) -> str:
         """How many runs were kept, and how many are unfinished, in words."""
         left = len(list(self.unfinished.glob("run-*.csv")))
         unfinished = f", {counted(left, 'unfinished run')} to be stored at the next start" if left else ""

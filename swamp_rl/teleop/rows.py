@@ -85,8 +85,8 @@ def sailed_again(run: Run, boat: Boat) -> Array:
 def _arrived(run: Run, boat: Boat, commands: Array, delay: float) -> Array:
     """(T, 2K) what reaches the thrusters in each step, of commands (T, 2K) that act `delay` steps late."""
     # What recorders that kept a run only from the first gate on had asked before.
-    told = run.meta.model_dump().get("earlier_commands", {})
-    earlier = np.array([told[name] for name in _channel_names(boat)]).T if told else commands[:0]
+    stored = run.meta.model_dump().get("earlier_commands", {})
+    earlier = np.array([stored[name] for name in _channel_names(boat)]).T if stored else commands[:0]
     asked, arrived = np.vstack([earlier, commands]), np.empty_like(commands)
     for row in range(len(commands)):
         delayed_command(asked, len(earlier) + row, delay, arrived[row])

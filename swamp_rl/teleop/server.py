@@ -30,7 +30,7 @@ from swamp_rl.teleop.hub import REFUSED, STILL, Hub, log
 
 PAGE = Path(__file__).parent / "page"
 LARGEST_FRAME = 16 * 1024  # bytes; what is larger ends the connection before it is read
-TOLD = {
+MESSAGES = {
     400: "Malformed: a token has letters and digits only.",
     403: "Not allowed: open the address that swamp-rl record printed.",
     429: f"Too many wrong tokens: wait {LOCKED:g} s, then open the address that swamp-rl record printed.",
@@ -60,7 +60,7 @@ class Gate:
         if scope["type"] == "websocket":
             await WebSocket(scope, receive, send).close(REFUSED)
         else:
-            answer = PlainTextResponse(f"{TOLD[objection.status]}\n", objection.status)
+            answer = PlainTextResponse(f"{MESSAGES[objection.status]}\n", objection.status)
             await answer(scope, receive, _with_headers(send))
 
 

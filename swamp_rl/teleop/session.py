@@ -47,7 +47,7 @@ class Session:
         boat of a run."""
         self.lookout = lookout
         self.watched: deque[str] = deque(maxlen=WATCHED)
-        "What the lookout has said of the run last."
+        "The lookout's last message on the run."
         self.berths, self._seeds, self._dead_man = dict(berths), seeds, dead_man
         self.pilots = dict(pilots or {})
         self.vessel, self.pilot = next(iter(berths)), next(iter(self.pilots), None)
@@ -230,10 +230,10 @@ class Session:
             self._end_run()
 
     def listen(self) -> bool:
-        """Take in what the lookout has said meanwhile; whether there is something new."""
-        said = self.lookout.said() if self.lookout is not None else []
-        self.watched.extend(said)
-        return bool(said)
+        """Take in the lookout's new messages; whether there is something new."""
+        messages = self.lookout.messages() if self.lookout is not None else []
+        self.watched.extend(messages)
+        return bool(messages)
 
     def stopped(self, now: float) -> bool:
         """Whether the dead-man holds the thrusters."""
@@ -271,8 +271,8 @@ class Session:
         if journal is not None and journal.trouble is not None and journal is not self._troubled:
             self._complaint = f"The run is not on the disk, accepting it tries again: {journal.trouble}"
             self._troubled = journal
-        told, self._complaint = self._complaint, None
-        return told
+        last, self._complaint = self._complaint, None
+        return last
 
     def _heed(self, now: float) -> None:
         # A boat that can obey again does so once both throttles were let go.

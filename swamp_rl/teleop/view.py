@@ -1,4 +1,4 @@
-"""What the page is told: plain JSON, SI units, angles in rad."""
+"""Messages to the page: plain JSON, SI units, angles in rad."""
 
 import json
 import math
@@ -56,7 +56,7 @@ def frame(session: Session, now: float) -> str:
     state = session.state(now)
     azimuths, throttles = actuators(state)
     weather = session.boat.weather(state)
-    said = {
+    data = {
         "type": "frame",
         "phase": session.phase,
         "outcome": session.outcome,
@@ -74,7 +74,7 @@ def frame(session: Session, now: float) -> str:
         "current": weather and weather[2:],
         "passed": session.boat.now.passed,
     }
-    return json.dumps(_rounded(said), allow_nan=False, separators=(",", ":"))
+    return json.dumps(_rounded(data), allow_nan=False, separators=(",", ":"))
 
 
 def status(session: Session) -> dict[str, Any]:
@@ -119,9 +119,9 @@ def _list(run: Run, name: str) -> list[float]:
     return [_rounded(value) for value in run.columns[name].tolist()] if name in run.columns else []
 
 
-def _rounded(said: Any) -> Any:
-    if isinstance(said, float):
-        return round(said, DIGITS) if math.isfinite(said) else None
-    if isinstance(said, dict):
-        return {key: _rounded(value) for key, value in said.items()}
-    return [_rounded(value) for value in said] if isinstance(said, list | tuple) else said
+def _rounded(entry: Any) -> Any:
+    if isinstance(entry, float):
+        return round(entry, DIGITS) if math.isfinite(entry) else None
+    if isinstance(entry, dict):
+        return {key: _rounded(value) for key, value in entry.items()}
+    return [_rounded(value) for value in entry] if isinstance(entry, list | tuple) else entry

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 Work = Callable[[str], str]
-"""What is done with a job: from what it is told to what it answers. Found by its name in the worker."""
+"""What is done with a job: from its argument to its answer. Found by its name in the worker."""
 
 
 def attempt(work: Work, job: str) -> tuple[str | None, str]:

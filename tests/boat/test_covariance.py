@@ -40,7 +40,7 @@ def test_errors_change_no_digest(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "message"),
     [
         ("[0.9]", "[1.5]", "covariance.correlation.1.0: must be at most 1"),
         ("[], [0.9]", "[0.9]", "correlation: must be 3 rows of 0, 1, 2 and so on numbers"),
@@ -50,8 +50,8 @@ def test_errors_change_no_digest(tmp_path: Path) -> None:
     ],
 )
 def test_errors_that_are_no_triangle_of_correlations_are_refused(
-    tmp_path: Path, old: str, new: str, told: str
+    tmp_path: Path, old: str, new: str, message: str
 ) -> None:
     with pytest.raises(UserError) as error:
         load_boat(boat_file(tmp_path, GIVEN.replace(old, new)))
-    assert told in str(error.value) and len(str(error.value).splitlines()) == 1
+    assert message in str(error.value) and len(str(error.value).splitlines()) == 1

@@ -23,7 +23,7 @@ def refused(folder: Path, text: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "message"),
     [
         ("mass: 0", "mass: must be greater than 0"),
         ("mass: .nan", "mass: must be a finite number"),
@@ -116,13 +116,13 @@ def refused(folder: Path, text: str) -> str:
         ("extends: broken.yaml", "extends forms a cycle"),
     ],
 )
-def test_an_impossible_value_is_refused_by_key(tmp_path: Path, line: str, told: str) -> None:
+def test_an_impossible_value_is_refused_by_key(tmp_path: Path, line: str, message: str) -> None:
     text = line if line.startswith("extends") else f"extends: swamp\n{line}\n"
-    assert told in refused(tmp_path, text)
+    assert message in refused(tmp_path, text)
 
 
 @pytest.mark.parametrize(
-    ("quantity", "told"),
+    ("quantity", "message"),
     [
         ("{value: 50, unit: lb, provenance: measured, source: scales}", "unit 'lb', allowed is 'kg'"),
         (
@@ -136,8 +136,8 @@ def test_an_impossible_value_is_refused_by_key(tmp_path: Path, line: str, told: 
         ("{vaule: 50, unit: kg, provenance: measured, source: scales}", "lacks value"),
     ],
 )
-def test_a_number_with_half_its_provenance_is_refused(tmp_path: Path, quantity: str, told: str) -> None:
-    assert told in refused(tmp_path, f"extends: swamp\nmass: {quantity}\n")
+def test_a_number_with_half_its_provenance_is_refused(tmp_path: Path, quantity: str, message: str) -> None:
+    assert message in refused(tmp_path, f"extends: swamp\nmass: {quantity}\n")
 
 
 @pytest.mark.parametrize("sd", ["-1.0", ".nan", "wide", "[1.0]", "true"])

@@ -222,7 +222,7 @@ def test_a_run_without_revolutions_is_refused_by_the_missing_column() -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "message"),
     [
         ("effects: [{effect: shallow_water, depth_over_draught: 2}]", "coefficients for deep water"),
         (
@@ -238,12 +238,12 @@ def test_a_run_without_revolutions_is_refused_by_the_missing_column() -> None:
         ("resistance: {x_0_ahead: 0.02}", "resistance.x_0_ahead: must be at most 0"),
     ],
 )
-def test_a_boat_file_that_cannot_be_is_refused(tmp_path: Path, line: str, told: str) -> None:
+def test_a_boat_file_that_cannot_be_is_refused(tmp_path: Path, line: str, message: str) -> None:
     path = tmp_path / "boat.yaml"
     path.write_text(f"extends: esso_osaka\n{line}\n")
     with pytest.raises(UserError) as error:
         load_boat(path)
-    assert told in str(error.value)
+    assert message in str(error.value)
 
 
 def test_a_boat_without_propeller_cannot_take_free_running_tests(tmp_path: Path) -> None:
@@ -262,21 +262,21 @@ HEADINGS = (
 
 
 @pytest.mark.parametrize(
-    ("row", "told"),
+    ("row", "message"),
     [
         ("0.2" + ",0" * 6 + ",,0,0,0,0,0", "row 3, column 'n_prop [rps]': no number"),
         ("0.2" + ",0" * 7 + ",45,0,0,0,0", "row 3 (line 4), column rudder_main: 45 is outside"),
         ("0.1" + ",0" * 12, "row 3 (line 4), column time: 0.1 s does not come after 0.1 s"),
     ],
 )
-def test_a_wrong_row_of_a_free_running_test_is_named(tmp_path: Path, row: str, told: str) -> None:
+def test_a_wrong_row_of_a_free_running_test_is_named(tmp_path: Path, row: str, message: str) -> None:
     path = tmp_path / "run.csv"
     rows = [f"{0.1 * i:.1f}" + ",0" * 12 for i in range(2)]
     path.write_text("\n".join([HEADINGS, *rows, row]) + "\n")
     with pytest.raises(UserError) as error:
         import_free_running(path, BOAT)
     assert str(error.value).startswith(str(path))
-    assert told in str(error.value)
+    assert message in str(error.value)
 
 
 def test_another_table_is_refused_by_the_column_it_lacks(tmp_path: Path) -> None:

@@ -234,9 +234,9 @@ def test_bare_numbers_count_as_assumed_and_sections_have_defaults(tmp_path: Path
         assert parameters(boat)[0][name] == pytest.approx(parameters(full)[0][name], rel=1e-3), name
     assert boat.joypad == full.joypad
     assert (boat.wind.c_x, boat.wind.c_y) == (0.5, 0.9)
-    told = boat.provenance
-    assert (told["mass"].provenance, told["mass"].source) == ("assumed", "set in bare.yaml")
-    assert told["wind.c_y"].source == "DNV-GL, as in configs/boats/swamp.yaml"
+    result = boat.provenance
+    assert (result["mass"].provenance, result["mass"].source) == ("assumed", "set in bare.yaml")
+    assert result["wind.c_y"].source == "DNV-GL, as in configs/boats/swamp.yaml"
 
 
 def test_a_dead_band_of_the_file_gives_no_thrust_below_it(tmp_path: Path) -> None:

@@ -42,7 +42,7 @@ def test_a_table_that_is_not_used_changes_no_digest(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("draught: loading\n", "no section loading"),
         (f"mass: 80.0\ndraught: loading\n{TABLE}", "20 to 60 kg"),
@@ -55,7 +55,7 @@ def test_a_table_that_is_not_used_changes_no_digest(tmp_path: Path) -> None:
         (f"mass: heavy\ndraught: loading\n{TABLE}", "mass"),
     ],
 )
-def test_what_gives_no_draught_is_refused_by_its_key(tmp_path: Path, text: str, told: str) -> None:
+def test_what_gives_no_draught_is_refused_by_its_key(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(UserError, match=r"mine\.yaml") as refused:
         load_boat(boat_file(tmp_path, text))
-    assert told in str(refused.value)
+    assert message in str(refused.value)

@@ -26,14 +26,14 @@ def test_a_slipped_decimal_point_is_named_at_any_size(
 ) -> None:
     given = BOATS[name][key]
     path = written(tmp_path, name, **{key: number(times * given["value"], given["unit"])})
-    told = refused(path)
+    message = refused(path)
     assert any(
-        line.startswith(f"{path}: {key}: {times * given['value']:.6g} {given['unit']} is") for line in told
+        line.startswith(f"{path}: {key}: {times * given['value']:.6g} {given['unit']} is") for line in message
     )
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "message"),
     [
         ("draught: 140", "draught: 140 m is implausible: draught / length is 113"),
         (
@@ -53,21 +53,23 @@ def test_a_slipped_decimal_point_is_named_at_any_size(
         ("added_inertia_yaw: -3940", "added_inertia_yaw: -3940 kg m2 is implausible"),
     ],
 )
-def test_a_wrong_unit_is_told_with_what_it_was_set_against(tmp_path: Path, line: str, told: str) -> None:
+def test_a_wrong_unit_is_reported_with_what_it_was_set_against(
+    tmp_path: Path, line: str, message: str
+) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(f"extends: swamp\n{line}\n")
     lines = refused(path)
-    assert told in lines[0]
+    assert message in lines[0]
     assert all("check these numbers and their units" in line for line in lines)
 
 
-def test_all_faults_of_a_file_are_told_each_on_its_line(tmp_path: Path) -> None:
+def test_all_faults_of_a_file_are_reported_each_on_its_line(tmp_path: Path) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(
         "extends: swamp\nlenth: 3\nmass: null\nthruster_model: {azimuth_rate: -1}\nhull: {x_vr: a}\n"
         "draught: {value: 14, unit: cm, provenance: measured, source: ruler}\n"
     )
-    told = [line.removeprefix(f"{path}: ") for line in refused(path)]
+    message = [line.removeprefix(f"{path}: ") for line in refused(path)]
     begins = [
         "lenth: unknown",
         "mass: is missing",
@@ -75,8 +77,8 @@ def test_all_faults_of_a_file_are_told_each_on_its_line(tmp_path: Path) -> None:
         "hull.x_vr: must be a number",
     ]
     begins.append("thrusters.bs.azimuth_rate: must be greater than 0, not -1 (and bp, ss, sp alike)")
-    assert len(told) == len(begins)
-    assert all(any(line.startswith(begin) for line in told) for begin in begins)
+    assert len(message) == len(begins)
+    assert all(any(line.startswith(begin) for line in message) for begin in begins)
 
 
 def unstable(section: str, **changes: float) -> dict[str, Any]:

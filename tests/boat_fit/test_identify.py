@@ -119,8 +119,8 @@ def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_s
     astern = by_name(list(found.fitted))["thrusters.port.astern_quadratic"]
     assert not astern.shown
     assert astern.value == pytest.approx(astern.number.start, abs=0.5 * astern.prior_sd)
-    told = found.boat.provenance["thrusters.port.astern_quadratic"]
-    assert told.provenance == "assumed" and "not identifiable from" in told.source
+    message = found.boat.provenance["thrusters.port.astern_quadratic"]
+    assert message.provenance == "assumed" and "not identifiable from" in message.source
     assert any("astern of port" in line and "astern_quadratic" in line for line in next_runs(found))
 
 
@@ -131,10 +131,10 @@ def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diag
 ) -> None:
     truth = hidden(tmp_path, WIRED)
     sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, count=4)
-    code, said, _ = call("identify", "boat", "runs", "--boat", "twin.yaml", "--out", "new.yaml")
+    code, message, _ = call("identify", "boat", "runs", "--boat", "twin.yaml", "--out", "new.yaml")
     assert code == 0
-    assert "port and starboard obey each other's commands" in said
-    assert "the throttle of port has the other sign" in said
+    assert "port and starboard obey each other's commands" in message
+    assert "the throttle of port has the other sign" in message
     assert Path("new.html").read_text().count("<table>") == 3
     assert call("diagnose", "runs", "--boat", "new.yaml", "--out", "diagnosis")[0] == 0
     assert "nothing_wrong" in Path("diagnosis/diagnosis.json").read_text()
@@ -238,14 +238,14 @@ def test_bad_input_is_refused_with_one_line_and_nothing_written(call: Call, tmp_
     sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", hidden(tmp_path, HIDDEN), count=1, seconds=12.0)
     before = sorted(path.name for path in tmp_path.iterdir())
     asked = ("identify", "boat", "runs", "--boat", "twin.yaml")
-    for more, told in (
+    for more, result in (
         (("--out", "twin.yaml"), "already exists"),
         (("--out", "new.txt"), "let --out end in .yaml"),
         (("--out", "new.yaml"), "too short"),
         (("--out", "new.yaml", "--holdout", "runs"), "nothing would be held out"),
     ):
         code, _, error = call(*asked, *more)
-        assert code == 2 and told in error and error.strip().count("\n") == 0, error
+        assert code == 2 and result in error and error.strip().count("\n") == 0, error
     assert sorted(path.name for path in tmp_path.iterdir()) == before
     with pytest.raises(UserError, match="no such file"):
         identify_boat("runs", "none.yaml", "new.yaml")

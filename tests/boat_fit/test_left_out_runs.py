@@ -47,6 +47,6 @@ def test_runs_of_another_thrust_are_left_out_of_the_fit_and_named(
     assert set(named) == {"weed0", "weed1"}
     assert named == pytest.approx(dict.fromkeys(named, 0.25), abs=0.1)
     assert "new" in page_of(found) and "`" not in page_of(found)
-    said = " ".join(summary(found))
-    assert "left out of the fit" in said and "held out" in said
+    message = " ".join(summary(found))
+    assert "left out of the fit" in message and "held out" in message
     assert found.alike[1].boat_file < found.after[1].boat_file

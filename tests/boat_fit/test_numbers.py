@@ -170,18 +170,18 @@ def test_no_effect_of_the_start_file_is_lost_with_all_or_some_of_its_numbers_fit
 
 
 def same_but_for_the_scale_of_the_tank(
-    read: np.ndarray, wanted: np.ndarray, curves: np.ndarray, before: np.ndarray, told: str
+    read: np.ndarray, wanted: np.ndarray, curves: np.ndarray, before: np.ndarray, message: str
 ) -> None:
     for field in set(wanted.dtype.names) - {"resistance_scale", "reference_mass", "x_0_ahead", "x_0_astern"}:
         np.testing.assert_allclose(
-            read[field], wanted[field], rtol=1e-4, atol=1e-12, err_msg=f"{told} {field}"
+            read[field], wanted[field], rtol=1e-4, atol=1e-12, err_msg=f"{message} {field}"
         )
     forces = [
         surge_resistance(speed, 0.1, record[0], table, towing(record[0], table))
         for record, table in ((read, curves), (wanted, before))
         for speed in (0.7, -0.4)
     ]
-    assert forces[:2] == pytest.approx(forces[2:], rel=1e-4), told
+    assert forces[:2] == pytest.approx(forces[2:], rel=1e-4), message
 
 
 def test_a_number_that_only_an_effect_of_the_start_file_gives_is_not_called_measured(tmp_path: Path) -> None:
@@ -229,8 +229,8 @@ def test_the_thrusters_without_a_fitted_saturation_are_named(tmp_path: Path) -> 
     boat = load_boat(written(tmp_path, "twin"))
     every = [Fitted(number, number.mean, number.sd) for number in free_numbers(boat)]
     assert left_out(boat, every) == []
-    (said,) = left_out(boat, [one for one in every if one.number.field != "efficiency_100"])
-    assert "of port, starboard: it is as in the start file" in said
+    (message,) = left_out(boat, [one for one in every if one.number.field != "efficiency_100"])
+    assert "of port, starboard: it is as in the start file" in message
 
 
 def test_a_time_constant_of_zero_is_fitted_only_where_it_leaves_the_least_one() -> None:
@@ -239,9 +239,9 @@ def test_a_time_constant_of_zero_is_fitted_only_where_it_leaves_the_least_one() 
     assert lag.start == 0.0 < lag.low
     assert not supported(Fitted(lag, lag.low, lag.sd))
     assert supported(Fitted(lag, 2.0 * lag.low, lag.sd))
-    told = [Fitted(number, number.mean, number.sd) for number in every if number is not lag]
+    lines = [Fitted(number, number.mean, number.sd) for number in every if number is not lag]
     assert (
-        "no time constant thrusters.bs.pump_time_constant: it is as" in left_out(load_boat("swamp"), told)[0]
+        "no time constant thrusters.bs.pump_time_constant: it is as" in left_out(load_boat("swamp"), lines)[0]
     )
 
 
@@ -287,8 +287,8 @@ def test_a_number_far_from_its_prior_is_named_and_one_near_it_is_not() -> None:
 
     assert at(mass, -4.0).distance == pytest.approx(4.0)
     assert at(x_g, 2.0).distance == pytest.approx(2.0)
-    (said,) = far_from_start([at(mass, -4.0), at(x_g, 2.0)])
-    assert "mass (4.0)" in said and "x_g" not in said
+    (result,) = far_from_start([at(mass, -4.0), at(x_g, 2.0)])
+    assert "mass (4.0)" in result and "x_g" not in result
     assert far_from_start([at(mass, 2.0)]) == []
     _, ended = far_from_start([at(mass, -6.0), at(x_g, 5.9)])
     assert ended.startswith("At the bound of the fit, 6 standard deviations of the prior: mass. ")

@@ -38,7 +38,7 @@ def test_the_thrust_of_a_run_is_found_as_a_share_of_the_boats(tmp_path: Path) ->
         assert abs(found.share - share) < 4.0 * found.standard_error < 0.2
 
 
-def test_a_run_that_other_commands_drove_is_told_from_its_like_and_from_a_boat_at_rest(
+def test_a_run_that_other_commands_drove_is_distinguished_from_its_like_and_from_a_boat_at_rest(
     tmp_path: Path,
 ) -> None:
     written(tmp_path, "twin")
@@ -66,7 +66,7 @@ def test_a_run_far_from_the_others_has_another_thrust_and_one_within_their_sprea
     assert with_other_thrust(shares(1.0, 0.4, 2.1, 0.7, 1.5, 0.5, 3.0, 0.3)) == []
 
 
-def test_a_run_that_shows_little_of_its_thrust_is_not_told_from_the_others() -> None:
+def test_a_run_that_shows_little_of_its_thrust_is_not_distinguished_from_the_others() -> None:
     known = shares(0.9, 1.1, 1.0, 1.2, 0.85, 1.05, 0.95)
     assert with_other_thrust([*known, RunThrust("adrift", 0.3, 0.8)]) == []
 

@@ -82,7 +82,7 @@ def test_a_start_that_may_fall_outside_the_bounds_is_refused(tmp_path: Path) -> 
         load_course(course_file(tmp_path, start=start))
 
 
-def test_a_misspelt_key_of_the_only_gate_is_not_told_as_a_course_without_gates(tmp_path: Path) -> None:
+def test_a_misspelt_key_of_the_only_gate_is_not_reported_as_a_course_without_gates(tmp_path: Path) -> None:
     gate = {"name": "one", "center": {"north": 3.0, "east": 2.0}, "heading": 0.0, "width": 4.0}
     with pytest.raises(UserError) as error:
         load_course(course_file(tmp_path, gates=[gate]))

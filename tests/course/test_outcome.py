@@ -1,4 +1,4 @@
-"""How a logged track ended is what the environment said of it."""
+"""How a logged track ended is as the environment recorded it."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -52,22 +52,22 @@ def test_an_inadequate_selection_keeps_confirmed_causes_only() -> None:
     continuation = continuation_of(sailed, weights(sailed, noise_levels(sailed)))
     both = Hypothesis().with_instance(instances[0]).with_instance(instances[1])
     best = continuation.fit(1, both, np.concatenate([instance.starts[0] for instance in both.instances]))
-    told = {"mass": Confirmation(90.0, 40.0, 0.99), "sway_drag": Confirmation(-1.0, -3.0, 0.99)}
-    found = Selection(best, False, 1, [], [best], [], [], told)
+    message = {"mass": Confirmation(90.0, 40.0, 0.99), "sway_drag": Confirmation(-1.0, -3.0, 0.99)}
+    found = Selection(best, False, 1, [], [best], [], [], message)
     less = without_unconfirmed(continuation, found, instances)
     assert less.winner.hypothesis.label == "mass"
     assert list(less.confirmed) == ["mass"] and less.confirmed["mass"].holds
 
 
-@pytest.mark.parametrize(("every", "told"), [(10, True), (1000, False)])
-def test_residual_forces_need_positions_and_accept_a_slow_receiver(every: int, told: bool) -> None:
+@pytest.mark.parametrize(("every", "result"), [(10, True), (1000, False)])
+def test_residual_forces_need_positions_and_accept_a_slow_receiver(every: int, result: bool) -> None:
     sailed = driven([], np.stack([commands(0), commands(2)]), 0.0, seed=3)
     measured = sailed.measured.copy()
     measured[:, np.arange(measured.shape[1]) % every > 0, :2] = np.nan
     sparse = replace(sailed, measured=measured)
     weight = weights(sparse, noise_levels(sailed))
     forces = residual_forces(sparse, weight, Hypothesis(), np.zeros(0))
-    assert (len(forces.force) > 10) == told
+    assert (len(forces.force) > 10) == result
     assert residual_force_functions(sparse, weight, [(Hypothesis(), np.zeros(0))]) == []
 
 

@@ -214,8 +214,8 @@ def test_estimates_scatter_as_their_standard_errors_with_fitted_instants_say() -
             at = continuation.fit(LAST, resistance, ONE)
             errors.append(sandwich_covariance(continuation.problem(LAST, resistance), at)[0, 0] ** 0.5)
         away.append((at.x[0] - 1.5) / np.array(errors))
-    told, without = np.sqrt(np.mean(np.square(away), axis=0))
-    assert 0.5 < told < 1.6
+    result, without = np.sqrt(np.mean(np.square(away), axis=0))
+    assert 0.5 < result < 1.6
     assert without > 2.0
 
 
@@ -330,7 +330,7 @@ def test_whole_runs_show_by_what_share_commands_moved_between_rows(held: bool, l
         assert moved.commands == pytest.approx(interpolated(log, 0.25).commands, abs=0.002)
 
 
-def test_commands_that_moved_and_positions_that_wander_are_told_apart_together() -> None:
+def test_commands_that_moved_and_positions_that_wander_are_distinguished_together() -> None:
     log = logged(held=False)
     wander = gauss_markov_noise(np.random.default_rng(8), log.measured[..., :2].shape, 0.4, 4.0)
     measured = log.measured.copy()

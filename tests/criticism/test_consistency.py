@@ -24,22 +24,22 @@ def test_consistent_columns_pass_even_with_a_sensor_fault_of_a_usual_size(veloci
 
 
 @pytest.mark.parametrize(
-    ("said", "columns"),
+    ("message", "columns"),
     [
         ("north and east look swapped", [1, 0, 2, 3, 4, 5]),
         ("surge and sway look swapped", [0, 1, 2, 4, 3, 5]),
     ],
 )
-def test_swapped_columns_are_named(said: str, columns: list[int]) -> None:
+def test_swapped_columns_are_named(message: str, columns: list[int]) -> None:
     found = simulated_runs([])
-    with pytest.raises(UserError, match=said):
+    with pytest.raises(UserError, match=message):
         refuse_inconsistent(replace(found, measured=found.measured[..., columns]), "folder")
 
 
 def test_a_turned_heading_and_yaw_rates_in_degrees_or_late_are_named() -> None:
     found = simulated_runs([])
     measured = found.measured
-    for said, column, values in (
+    for result, column, values in (
         ("heading looks measured from east", 2, np.pi / 2 - measured[..., 2]),
         (
             "yaw_rate looks like degrees a second against the heading; correct",
@@ -53,5 +53,5 @@ def test_a_turned_heading_and_yaw_rates_in_degrees_or_late_are_named() -> None:
         other[..., column] = values
         if column == 2:
             other[..., 5] = -other[..., 5]
-        with pytest.raises(UserError, match=said):
+        with pytest.raises(UserError, match=result):
             refuse_inconsistent(replace(found, measured=other), "folder")

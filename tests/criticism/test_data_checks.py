@@ -118,11 +118,11 @@ REFUSED: dict[str, tuple[Change, str]] = {
 def complaint(dataset: Path, boat: str | Path, out: Path, holdout: Path | None = None) -> str:
     """What a diagnosis is refused with."""
     before = sorted(out.parent.rglob("*"))
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         diagnose(dataset, boat, out, holdout)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
     assert sorted(out.parent.rglob("*")) == before
-    return str(told.value)
+    return str(error.value)
 
 
 def test_sound_runs_are_not_refused(tmp_path: Path) -> None:
@@ -134,10 +134,10 @@ def test_sound_runs_are_not_refused(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_runs_that_tell_nothing_are_refused_in_one_line_that_names_them(case: str, tmp_path: Path) -> None:
-    change, said = REFUSED[case]
+    change, result = REFUSED[case]
     data = recorded(tmp_path / "data", change)
-    told = complaint(data, "swamp", tmp_path / "out")
-    assert told.startswith(str(data)) and said in told
+    message = complaint(data, "swamp", tmp_path / "out")
+    assert message.startswith(str(data)) and result in message
 
 
 def test_a_folder_without_runs_and_one_that_is_none_are_refused(tmp_path: Path) -> None:
@@ -152,8 +152,8 @@ def test_a_boat_file_that_lacks_a_thruster_that_ran_is_refused(tmp_path: Path) -
     boat |= {"name": "two", "thrusters": boat["thrusters"][:2]}
     (tmp_path / "two.yaml").write_text(yaml.safe_dump(boat))
     data = recorded(tmp_path / "data", as_it_is)
-    told = complaint(data, tmp_path / "two.yaml", tmp_path / "out")
-    assert "column throttle_ss drives a thruster that boat two does not have (it has bs, bp)" in told
+    message = complaint(data, tmp_path / "two.yaml", tmp_path / "out")
+    assert "column throttle_ss drives a thruster that boat two does not have (it has bs, bp)" in message
     assert "give the boat of these runs by --boat" in complaint(data, "esso_osaka", tmp_path / "out")
     idle = recorded(tmp_path / "idle", setting(throttle_ss=0.0, throttle_sp=0.0))
     with pytest.raises(FittedError):
@@ -170,8 +170,8 @@ def test_a_boat_file_that_is_none_is_refused(tmp_path: Path) -> None:
 def test_runs_held_out_must_be_others_of_the_same_boat_and_as_sound(tmp_path: Path) -> None:
     data, out = recorded(tmp_path / "data", as_it_is), tmp_path / "out"
     light = recorded(tmp_path / "light", as_it_is, vehicle="swamp-light")
-    told = complaint(data, "swamp", out, light)
-    assert f"{light}: recorded with boat swamp-light, but {data} with swamp" in told
+    message = complaint(data, "swamp", out, light)
+    assert f"{light}: recorded with boat swamp-light, but {data} with swamp" in message
     assert "nothing would be held out" in complaint(data, "swamp", out, data)
     dead = recorded(tmp_path / "dead", setting(heading=1.0))
     assert complaint(data, "swamp", out, dead).startswith(str(dead))
@@ -189,11 +189,11 @@ def test_nothing_is_written_over_what_is_no_diagnosis_or_what_it_is_made_from(tm
     assert "name another --out" in complaint(data, full / "extended_boat.yaml", full)
 
 
-def test_runs_left_out_and_runs_at_rest_are_told(tmp_path: Path) -> None:
+def test_runs_left_out_and_runs_at_rest_are_reported(tmp_path: Path) -> None:
     data = recorded(tmp_path / "data", as_it_is, cut(slice(31)), at_rest)
-    told = missing_motion(read_run_set(data, load_boat("swamp")))
-    assert "length in run_1: shorter than 10 s, left out" in told
-    assert any(one.startswith("way in run_2: the boat stands still there") for one in told)
+    message = missing_motion(read_run_set(data, load_boat("swamp")))
+    assert "length in run_1: shorter than 10 s, left out" in message
+    assert any(one.startswith("way in run_2: the boat stands still there") for one in message)
 
 
 def test_a_folder_that_another_diagnosis_is_writing_is_refused(tmp_path: Path) -> None:

@@ -98,9 +98,11 @@ def test_to_fit_the_numbers_is_advised_unless_a_cause_mends_the_prediction(
     errors = Predictors(horizon_s=30.0, boat_file=17.0, at_rest=26.0, constant_velocity=9.0, no_thrust=18.0)
     paired = Paired(before=17.0, after=after, ci95=(1.0, 2.0))
     gain = Gain(horizon_s=30.0, restarts=9, blocks="windows", position_rmse_m=paired)
-    said = predictors_sentence(Diagnosis.model_construct(verdict=verdict, predictors=[errors], gain=[gain]))
-    assert "no better than constant velocity: 17 m against 9 m" in said
-    assert ("identify boat" in said) == advised
+    message = predictors_sentence(
+        Diagnosis.model_construct(verdict=verdict, predictors=[errors], gain=[gain])
+    )
+    assert "no better than constant velocity: 17 m against 9 m" in message
+    assert ("identify boat" in message) == advised
 
 
 def test_a_cause_is_minor_only_below_two_percent_and_below_the_noise() -> None:
@@ -114,12 +116,12 @@ def test_a_cause_without_a_share_is_minor_unless_it_moves_predictions_by_more_th
     assert not is_minor([share(2.0, 2.1, moved=0.2)], NOISE)
 
 
-def test_a_cause_without_a_share_is_told_by_how_far_it_moves_the_prediction() -> None:
-    def said(*errors: float) -> str:
+def test_a_cause_without_a_share_is_reported_by_how_far_it_moves_the_prediction() -> None:
+    def sentence(*errors: float) -> str:
         return share_text(Cause(effect="mass", parameters={}, share=[share(*errors, moved=0.2)]))
 
-    assert said(2.0, 1.0) == "50 % of the position error 10 s ahead (2 m without it, 1 m with it)"
-    assert said(2.0, 2.1) == (
+    assert sentence(2.0, 1.0) == "50 % of the position error 10 s ahead (2 m without it, 1 m with it)"
+    assert sentence(2.0, 2.1) == (
         "no share of the position error 10 s ahead (2 m without it, 2.1 m with it); "
         "it moves the prediction by 0.2 m"
     )

@@ -49,25 +49,25 @@ def test_straight_one_sided_and_even_runs_say_what_to_sail(
 ) -> None:
     found = missing_motion(sailed(1.0, turn, throttle))
     assert len(found) == len(lacks)
-    for start, told in zip(lacks, found, strict=True):
-        assert told.startswith(start)
+    for start, result in zip(lacks, found, strict=True):
+        assert result.startswith(start)
 
 
 def test_two_full_circles_hold_all_courses_however_long_the_straight_runs_are() -> None:
     straight = sailed(1.0, BOTH_WAYS * 0.1, STEPPED, runs=30)
     circles = 4.0 * np.pi / 60.0 * (TIME < 60.0)
     straight.measured[0] = sailed(1.0, circles, STEPPED, runs=1).measured[0]
-    assert not any(told.startswith("courses") for told in missing_motion(straight))
-    assert any(told.startswith("courses") for told in missing_motion(straight.subset([1, 2])))
+    assert not any(message.startswith("courses") for message in missing_motion(straight))
+    assert any(message.startswith("courses") for message in missing_motion(straight.subset([1, 2])))
 
 
 def test_a_thruster_that_never_runs_and_a_lonely_run_are_named() -> None:
     run_set = sailed(1.0, BOTH_WAYS, STEPPED, runs=1)
     run_set.commands[..., 6:] = 0.0
     found = missing_motion(run_set)
-    assert [told.split(":")[0] for told in found] == ["thrust of ss, sp", "a second run, to hold out"]
+    assert [message.split(":")[0] for message in found] == ["thrust of ss, sp", "a second run, to hold out"]
     assert len(missing_motion(run_set, held_out=True)) == 1
 
 
-def test_a_boat_that_lies_still_is_told_to_run() -> None:
+def test_a_boat_that_lies_still_is_run_anew() -> None:
     assert missing_motion(sailed(0.01, BOTH_WAYS, STEPPED))[0].startswith("way through the water")

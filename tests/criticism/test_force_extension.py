@@ -184,8 +184,8 @@ def brake() -> ForceExtension:
 @pytest.mark.slow
 @pytest.mark.numerical
 def test_a_quadratic_drag_is_written_as_a_square_of_the_speed(brake: ForceExtension, tmp_path: Path) -> None:
-    assert brake.told.written
-    (curve,) = brake.told.curves
+    assert brake.result.written
+    (curve,) = brake.result.curves
     assert (curve.component, curve.covariate, curve.formula) == ("surge", "surge", "square")
     assert curve.units == ["N/(m/s)^2"]
     (value,) = BRAKE["values"]
@@ -202,7 +202,7 @@ def test_a_quadratic_drag_is_written_as_a_square_of_the_speed(brake: ForceExtens
 def test_of_something_in_tow_the_part_ahead_lowers_the_error_on_other_runs() -> None:
     found = extended(sailed(DROGUE, "A"))
     assert found is not None
-    assert found.told.written
+    assert found.result.written
     other = sailed(DROGUE, "A", seed=2)
     judged = Witness(other, weights(other, noise_levels(other)), True)
     shares = prediction_shares(found.problem, found.less, found.fit, judged, np.random.default_rng(0))
@@ -217,12 +217,12 @@ def test_of_something_in_tow_the_part_ahead_lowers_the_error_on_other_runs() -> 
 def test_the_report_says_what_was_written_and_what_was_not(brake: ForceExtension) -> None:
     empty = ("causes", "indistinguishable", "contrasts", "leftover", "candidates", "unseen", "gain")
     given: dict[str, Any] = {name: [] for name in empty} | {"separating_trial": None, "noise": {}}
-    found = Diagnosis(verdict="unexplained", **given, adequacy={}, elapsed_s=1.0, extension=brake.told)
-    said = extension_sentence(found)
-    assert "extended_boat.yaml has the missing force (square)" in said
-    assert "surge force as a function of surge [m/s]" in said
+    found = Diagnosis(verdict="unexplained", **given, adequacy={}, elapsed_s=1.0, extension=brake.result)
+    message = extension_sentence(found)
+    assert "extended_boat.yaml has the missing force (square)" in message
+    assert "surge force as a function of surge [m/s]" in message
     assert "a |x| x" in extension_section(found)
-    kept = brake.told.model_copy(update={"written": False})
+    kept = brake.result.model_copy(update={"written": False})
     assert "is not written" in extension_sentence(found.model_copy(update={"extension": kept}))
 
 
@@ -230,4 +230,4 @@ def test_the_report_says_what_was_written_and_what_was_not(brake: ForceExtension
 @pytest.mark.numerical
 def test_no_force_is_written_where_none_is_missing() -> None:
     found = extended(sailed(None, "A"))
-    assert found is None or not found.told.written
+    assert found is None or not found.result.written

@@ -49,7 +49,7 @@ def test_the_forces_after_are_those_of_the_boat_that_was_written(
 
     monkeypatch.setattr(figures, "residual_forces", forces)
     monkeypatch.setattr(figures, "shown_variables", lambda *given: {"speed": ("speed", 1.0)})
-    extension: Any = SimpleNamespace(told=SimpleNamespace(written=is_written), fit=fitted("force_curve"))
+    extension: Any = SimpleNamespace(result=SimpleNamespace(written=is_written), fit=fitted("force_curve"))
     diagnosis: Any = SimpleNamespace(causes=[], leftover=[])
     selection: Any = SimpleNamespace(winner=fitted("wind"))  # which does not carry over
     nothing: Any = None

@@ -45,8 +45,8 @@ def test_the_filter_gives_the_likelihood_of_the_whole_covariance() -> None:
         seen = cut.weight[w, :, 0] > 0
         truth = multivariate_normal(cov=covariance[np.ix_(seen, seen)]).logpdf(values[0, w, seen, 0])
         scale = made.scale[w, seen, 0]
-        told = -0.5 * (innovation[w, seen] ** 2).sum() + np.log(scale).sum()
-        assert told - 0.5 * seen.sum() * np.log(2 * np.pi) == pytest.approx(truth)
+        result = -0.5 * (innovation[w, seen] ** 2).sum() + np.log(scale).sum()
+        assert result - 0.5 * seen.sum() * np.log(2 * np.pi) == pytest.approx(truth)
     assert made.whitened(values.copy())[0, :, :, 1:] == pytest.approx(values[0, :, :, 1:])
 
 

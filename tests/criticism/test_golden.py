@@ -31,7 +31,7 @@ WIDE = 2.0  # times the Cramér-Rao bound that a standard error may be
 LARGEST_SET = 6
 POINTED = 4  # missing forces, of which one must go with the right variable
 MOST_BYTES = 3_000_000
-Told = dict[str, Any]
+Json = dict[str, Any]
 
 
 def marked(name: str) -> Any:
@@ -51,39 +51,39 @@ def test_the_diagnosis_of_a_golden_case_is_its_truth(
         with pytest.raises(UserError, match=truth["refused"]):
             diagnosed(name, tmp_path)
         return
-    told = diagnosed(name, tmp_path)
-    assert told["verdict"] == truth["verdict"], said(told)
+    result = diagnosed(name, tmp_path)
+    assert result["verdict"] == truth["verdict"], answer_of(result)
     if truth["verdict"] == "indistinguishable":
-        (rivals,) = told["indistinguishable"]
+        (rivals,) = result["indistinguishable"]
         assert label_of(truth) in rivals
         assert len(rivals) <= LARGEST_SET
-        assert told["separating_trial"]
+        assert result["separating_trial"]
         return
     if "outside" in truth:
         wanted = set(truth["outside"]["variables"])
-        assert wanted & {one["variable"].replace(" ", "_") for one in told["leftover"][:POINTED]}
+        assert wanted & {one["variable"].replace(" ", "_") for one in result["leftover"][:POINTED]}
         return
-    assert sorted(cause["effect"] for cause in told["causes"]) == effects_of(truth), said(told)
+    assert sorted(cause["effect"] for cause in result["causes"]) == effects_of(truth), answer_of(result)
     for cause in truth.get("causes", []):
-        holds_the_numbers(cause, named(told, cause["effect"]))
+        holds_the_numbers(cause, named(result, cause["effect"]))
     for number, run in enumerate(truth.get("by_run", [])):
         for effect, values in run.items():
-            found = named(told, effect)
+            found = named(result, effect)
             assert found["scope"] == "run"
             holds(values, found["groups"][f"run_{number}"])
     if "wander" in truth:
-        sizes = [told["wandering"][name]["standard_deviation"] for name in ("north", "east")]
+        sizes = [result["wandering"][name]["standard_deviation"] for name in ("north", "east")]
         assert 0.5 < math.sqrt(np.mean(np.square(sizes))) / truth["wander"] < 2.0
 
 
-def diagnosed(name: str, out: Path) -> Told:
+def diagnosed(name: str, out: Path) -> Json:
     """What `diagnosis.json` holds of a case; no library may warn meanwhile."""
     with warnings.catch_warnings():
         for kind in (RuntimeWarning, UserWarning):
             warnings.simplefilter("error", kind)
         diagnose(FOLDER / name, boat_of(name), out / "answer")
-    told: Told = json.loads((out / "answer" / "diagnosis.json").read_text())
-    return told
+    data: Json = json.loads((out / "answer" / "diagnosis.json").read_text())
+    return data
 
 
 def boat_of(name: str) -> str | Path:
@@ -92,30 +92,30 @@ def boat_of(name: str) -> str | Path:
     return FOLDER / name / boat if boat.endswith(".yaml") else boat
 
 
-def effects_of(truth: Told) -> list[str]:
+def effects_of(truth: Json) -> list[str]:
     """The names of all that is wrong, in order."""
     own = {effect for run in truth.get("by_run", []) for effect in run}
     return sorted([*(cause["effect"] for cause in truth.get("causes", [])), *own])
 
 
-def label_of(truth: Told) -> str:
+def label_of(truth: Json) -> str:
     """All that is wrong as a hypothesis is labelled, with its thrusters."""
     return " + ".join(" ".join([c["effect"], *c.get("thruster", [])]) for c in truth["causes"])
 
 
-def said(told: Told) -> str:
+def answer_of(result: Json) -> str:
     """The answer in a line."""
-    names = [cause["effect"] for cause in told["causes"]]
-    return f"{told['verdict']}: {names}, {told['indistinguishable']}"
+    names = [cause["effect"] for cause in result["causes"]]
+    return f"{result['verdict']}: {names}, {result['indistinguishable']}"
 
 
-def named(told: Told, effect: str) -> Told:
+def named(result: Json, effect: str) -> Json:
     """The cause of that name."""
-    (found,) = (cause for cause in told["causes"] if cause["effect"] == effect)
+    (found,) = (cause for cause in result["causes"] if cause["effect"] == effect)
     return dict(found)
 
 
-def holds_the_numbers(truth: Told, cause: Told) -> None:
+def holds_the_numbers(truth: Json, cause: Json) -> None:
     """The right thruster, every number near its truth, and known about as well as it can be."""
     if "thruster" in truth:
         assert cause["thruster"] == truth["thruster"]
@@ -125,7 +125,7 @@ def holds_the_numbers(truth: Told, cause: Told) -> None:
             assert cause["parameters"][name]["standard_error"] < WIDE * number["bound"], name
 
 
-def holds(values: dict[str, float], parameters: Told) -> None:
+def holds(values: dict[str, float], parameters: Json) -> None:
     """Every number lies within some standard errors of its truth."""
     for name, value in values.items():
         number = parameters[name]

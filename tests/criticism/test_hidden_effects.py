@@ -1,4 +1,4 @@
-"""Effects below the model's own error, told from those that the data cannot show."""
+"""Effects below the model's own error, distinguished from those that the data cannot show."""
 
 from dataclasses import replace
 
@@ -57,7 +57,7 @@ def test_under_a_larger_model_error_more_effects_are_hidden(problem: Shooting, n
     assert hidden_effects(RUNS, WEIGHT, problem, adequate, instances()) == []
 
 
-def test_what_only_weights_by_the_model_error_hide_is_told_from_what_the_data_cannot_show(
+def test_what_only_weights_by_the_model_error_hide_is_distinguished_from_what_the_data_cannot_show(
     problem: Shooting, nothing: Fit
 ) -> None:
     weighted = Shooting(RUNS, WEIGHT / 1e4, 20.0)

@@ -82,7 +82,7 @@ def test_a_standard_error_counts_that_the_command_in_lost_rows_is_unknown() -> N
     at = continuation.fit(LAST, resistance, np.array([1.2]))
     problem = continuation.problem(LAST, resistance)
     (gap,) = problem.run_set.filled
-    told = sandwich_covariance(problem, at)[0, 0]
+    result = sandwich_covariance(problem, at)[0, 0]
     problem.run_set = replace(problem.run_set, filled=())
     known = sandwich_covariance(problem, at)[0, 0]
 
@@ -96,8 +96,8 @@ def test_a_standard_error_counts_that_the_command_in_lost_rows_is_unknown() -> N
     information = slopes.T @ slopes
     alone = np.linalg.inv(information[:-1, :-1])[-1, -1]
     information[-1, -1] += 1.0 / np.var(np.arange(gap.rows + 1))
-    assert told / known == pytest.approx(np.linalg.inv(information)[-2, -2] / alone, rel=0.05)
-    assert told > 1.1 * known
+    assert result / known == pytest.approx(np.linalg.inv(information)[-2, -2] / alone, rel=0.05)
+    assert result > 1.1 * known
 
 
 def test_a_throttle_that_jumps_in_a_lost_row_of_a_run_of_ramps_is_not_interpolated() -> None:

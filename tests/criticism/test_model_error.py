@@ -50,8 +50,8 @@ def test_a_steady_wind_is_selected_under_gusts(caplog: pytest.LogCaptureFixture)
         for instance in candidates(found.boat, SECONDS)
         if instance.effect.name in ("wind", "mass", "position_delay")
     ]
-    told = select_under_model_error(found, weight, instances, None)
-    slow, selection = told[0].gauss_markov, told[2]
+    result = select_under_model_error(found, weight, instances, None)
+    slow, selection = result[0].gauss_markov, result[2]
     assert slow is not None and (slow[:2, 0] > 1.5 / weight.max(axis=(0, 1))[:2]).all()
     assert selection.winner.hypothesis.label == "wind"
     assert np.hypot(*selection.winner.x) == pytest.approx(6.0, rel=0.25)

@@ -34,7 +34,7 @@ from tests.support.new_boats import new_boat
 
 BOAT = load_boat("swamp")
 ZIG_ZAG = manoeuvres(BOAT, DT, SECONDS)["zig-zag, 80 %"]
-TOLD: dict[str, Any] = {
+RESULT: dict[str, Any] = {
     "file": "next_trial.csv",
     "duration_s": 2.0,
     "hold_s": 1.0,
@@ -99,7 +99,7 @@ def test_the_boat_keeps_the_area_and_the_limits_under_every_hypothesis() -> None
     assert np.abs(found.commands[:, 4:]).max() <= 0.7
     for name, (parameter, value) in TRUTHS.items():
         states = sailed(found.commands, [{"effect": name, parameter: value}])
-        places = states[:, :2] + found.told.start_m
+        places = states[:, :2] + found.result.start_m
         assert places.min() > 0.95 * 0.1 * 15.0
         assert (places < np.array([15.0, 20.0]) - 0.95 * 0.1 * 15.0).all()
         assert np.hypot(states[:, 3], states[:, 4]).max() < 0.91
@@ -110,9 +110,9 @@ def test_the_boat_keeps_the_area_and_the_limits_under_every_hypothesis() -> None
 def test_the_trial_has_more_evidence_than_the_best_fixed_manoeuvre(
     names: tuple[str, ...], column: int | None
 ) -> None:
-    told = designed(question(*names, column=column)).told
-    assert told.of_list[0].evidence == max(one.evidence for one in told.of_list) > 0.0
-    assert told.evidence > told.of_list[0].evidence
+    result = designed(question(*names, column=column)).result
+    assert result.of_list[0].evidence == max(one.evidence for one in result.of_list) > 0.0
+    assert result.evidence > result.of_list[0].evidence
 
 
 @pytest.mark.usefixtures("brief")
@@ -171,15 +171,15 @@ def test_what_is_no_area_that_the_boat_can_move_in_is_refused(area: str) -> None
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "message"),
     [
         ({"seconds": 5.0}, "--seconds 5"),
         ({"speed": 0.0}, "--top-speed 0"),
         ({"throttle": 1.5}, "--throttle 1.5"),
     ],
 )
-def test_limits_out_of_range_are_refused(given: dict[str, float], said: str) -> None:
-    with pytest.raises(UserError, match=said):
+def test_limits_out_of_range_are_refused(given: dict[str, float], message: str) -> None:
+    with pytest.raises(UserError, match=message):
         trial_limits("40x40", BOAT, **given)
 
 
@@ -195,7 +195,7 @@ def test_limits_that_no_commands_keep_are_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("names", "column", "said"),
+    ("names", "column", "message"),
     [
         (("resistance", "resistance"), None, "within the limits separate resistance"),
         (
@@ -206,11 +206,11 @@ def test_limits_that_no_commands_keep_are_refused() -> None:
     ],
 )
 def test_a_trial_that_decides_nothing_is_refused_by_what_it_leaves_open(
-    names: tuple[str, ...], column: int | None, said: str
+    names: tuple[str, ...], column: int | None, message: str
 ) -> None:
     known = tuple(replace(one, precision=np.array([[1e16]])) for one in question(*names).explanations)
     asked = replace(question(*names, column=column), explanations=known)
-    with using(trial_budget=1), pytest.raises(UserError, match=said):
+    with using(trial_budget=1), pytest.raises(UserError, match=message):
         designed(asked)
 
 
@@ -218,9 +218,9 @@ def test_a_trial_that_decides_nothing_is_refused_by_what_it_leaves_open(
 def test_the_file_replays_to_the_motion_that_it_holds(tmp_path: Path) -> None:
     found = designed(question(*TRUTHS))
     write_trial(tmp_path, found, BOAT, DT)
-    run = read_run(tmp_path / found.told.file)
+    run = read_run(tmp_path / found.result.file)
     truth = sailed(found.commands, [{"effect": "thrust_scale", "scale": 0.9}])
-    assert run.pose[:, :2] == pytest.approx(truth[:, :2] + found.told.start_m, abs=0.05)
+    assert run.pose[:, :2] == pytest.approx(truth[:, :2] + found.result.start_m, abs=0.05)
     assert np.array_equal(run.commands(BOAT.thruster_names), found.commands)
     assert replay(BOAT, run).duration == run.duration
 
@@ -272,17 +272,19 @@ def test_the_figure_has_angles_only_of_thrusters_that_turn(
 ) -> None:
     boat = BOAT if turns else new_boat(tmp_path, "twin-fixed")
     commands = np.zeros((20, 2 * len(boat.thrusters)))
-    told = NextTrial(**TOLD)
+    result = NextTrial(**RESULT)
     drawn: list[str] = []
     monkeypatch.setattr(Figure, "savefig", lambda self, _: drawn.extend(a.get_ylabel() for a in self.axes))
-    draw_next_trial(tmp_path / "a.png", Designed(told, commands, ("mass",), np.zeros((1, 20, 6))), boat, 0.1)
+    draw_next_trial(
+        tmp_path / "a.png", Designed(result, commands, ("mass",), np.zeros((1, 20, 6))), boat, 0.1
+    )
     assert drawn == ["north [m]", *panels]
 
 
-def test_a_standard_error_of_noise_free_runs_is_told_with_its_digits() -> None:
+def test_a_standard_error_of_noise_free_runs_is_reported_with_its_digits() -> None:
     narrows = Narrowed(effect="mass", parameter="mass", unit="kg", before=1.234e-6, after=1.16e-7)
-    said = next_trial_sentences(NextTrial(**TOLD, narrows=narrows))
-    assert "a standard error of 1.2e-07 kg expected, 1.2e-06 kg now" in said[1]
+    result = next_trial_sentences(NextTrial(**RESULT, narrows=narrows))
+    assert "a standard error of 1.2e-07 kg expected, 1.2e-06 kg now" in result[1]
 
 
 def test_explanations_that_a_refit_makes_equal_are_not_separated_though_linearised_they_are() -> None:

@@ -89,7 +89,7 @@ def test_a_value_that_no_source_prints_is_refused_or_can_be_computed(tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("figure", "told"),
+    ("figure", "message"),
     [
         ({k: v for k, v in TOWED.items() if k != "throttle"}, "throttle is missing; add it"),
         (TOWED | {"throttle": 0.0}, "throttle: must be at least 0.01, not 0.0"),
@@ -99,8 +99,8 @@ def test_a_value_that_no_source_prints_is_refused_or_can_be_computed(tmp_path: P
     ],
 )
 def test_a_figure_from_which_nothing_follows_is_refused_by_its_key(
-    figure: dict[str, Any], told: str, tmp_path: Path
+    figure: dict[str, Any], message: str, tmp_path: Path
 ) -> None:
     write_yaml(tmp_path / "figures.yaml", GOOD | {"exchange": {}, "figures": [COMMON | figure]})
-    with pytest.raises(UserError, match=rf"figures 1 \([^)]*\): {told}"):
+    with pytest.raises(UserError, match=rf"figures 1 \([^)]*\): {message}"):
         read_figures(tmp_path / "figures.yaml", BOAT)

@@ -107,14 +107,14 @@ def test_a_current_that_differs_between_runs_is_as_wide_as_these_differ(tmp_path
 
 
 @pytest.mark.parametrize(
-    ("entry", "said"),
+    ("entry", "message"),
     [
         ({"components": {"north": 1.0}}, "must be {north: ..., east: ...}"),
         ({"components": {"north": 1.0, "east": 0.0}, "speed": 2.0}, "remove speed"),
     ],
 )
-def test_components_that_are_no_vector_are_refused(entry: dict[str, Any], said: str) -> None:
-    with pytest.raises(UserError, match=said):
+def test_components_that_are_no_vector_are_refused(entry: dict[str, Any], message: str) -> None:
+    with pytest.raises(UserError, match=message):
         load_disturbances([{"effect": "wind", **entry}], BOAT.thruster_names)
 
 
@@ -167,8 +167,8 @@ def test_numbers_that_were_fitted_together_are_drawn_together(tmp_path: Path) ->
     alone = parameters(BOAT, 1)
     level.apply(alone, uniforms[7:8])
     assert alone["current_east"][0] == record["current_east"][7]
-    told = level.drawn(uniforms[7])[0]
-    assert told["east"] == record["current_east"][7]
+    result = level.drawn(uniforms[7])[0]
+    assert result["east"] == record["current_east"][7]
 
 
 def test_a_number_that_is_certain_is_left_out_of_what_is_drawn_together(tmp_path: Path) -> None:
@@ -180,7 +180,7 @@ def test_a_number_that_is_certain_is_left_out_of_what_is_drawn_together(tmp_path
 
 
 @pytest.mark.parametrize(
-    ("correlated", "told"),
+    ("correlated", "message"),
     [
         ({"numbers": ["0.north", "0.east"]}, "correlated: must be"),
         ({"numbers": ["0.north"], "matrix": [[1.0]]}, "two or more"),
@@ -192,11 +192,11 @@ def test_a_number_that_is_certain_is_left_out_of_what_is_drawn_together(tmp_path
     ],
 )
 def test_correlations_that_make_no_sense_are_refused(
-    correlated: dict[str, Any], told: str, tmp_path: Path
+    correlated: dict[str, Any], message: str, tmp_path: Path
 ) -> None:
     level = write_posterior(diagnosis(tmp_path, CURRENT), tmp_path / "found.yaml")
     write_yaml(tmp_path / "found.yaml", level | {"correlated": correlated})
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         load_disturbances(tmp_path / "found.yaml", BOAT.thruster_names)
 
 
@@ -233,7 +233,7 @@ def test_an_effect_of_another_thruster_stays_beside_that_of_the_diagnosis(
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("effects: [current]", r"level.yaml: effects\[0\]: must be a mapping with the key effect"),
         ("effects: 5", "level.yaml: effects must be a list"),
@@ -245,28 +245,28 @@ def test_an_effect_of_another_thruster_stays_beside_that_of_the_diagnosis(
     ],
 )
 def test_a_level_that_cannot_be_read_is_refused_as_its_loader_does_and_nothing_written(
-    text: str, told: str, tmp_path: Path
+    text: str, message: str, tmp_path: Path
 ) -> None:
     (tmp_path / "level.yaml").write_text(text)
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         write_posterior(diagnosis(tmp_path, WEAK), tmp_path / "found.yaml", str(tmp_path / "level.yaml"))
     assert not (tmp_path / "found.yaml").exists()
 
 
 def test_a_file_that_is_no_diagnosis_and_one_without_causes_are_refused(tmp_path: Path) -> None:
     (tmp_path / "other.json").write_text('{"verdict": "cause"}')
-    for path, told in (
+    for path, result in (
         ("other.json", "causes"),
         ("none.json", "No such file or directory; name a diagnosis"),
     ):
-        with pytest.raises(UserError, match=told):
+        with pytest.raises(UserError, match=result):
             write_posterior(tmp_path / path, tmp_path / "found.yaml")
     with pytest.raises(UserError, match="names no cause"):
         write_posterior(diagnosis(tmp_path), tmp_path / "found.yaml")
 
 
 @pytest.mark.parametrize(
-    ("cause", "correlation", "told"),
+    ("cause", "correlation", "message"),
     [
         (CURRENT | {"effect": "curent"}, None, "did you mean 'current'"),
         ({"effect": "current", "parameters": {"nroth": estimate(0.2, 0.1)}}, None, "did you mean 'north'"),
@@ -284,15 +284,15 @@ def test_a_file_that_is_no_diagnosis_and_one_without_causes_are_refused(tmp_path
     ],
 )
 def test_a_diagnosis_that_cannot_be_is_refused_in_one_line_and_nothing_written(
-    cause: dict[str, Any], correlation: list[list[float]] | None, told: str, tmp_path: Path
+    cause: dict[str, Any], correlation: list[list[float]] | None, message: str, tmp_path: Path
 ) -> None:
-    with pytest.raises(UserError, match=told) as refused:
+    with pytest.raises(UserError, match=message) as refused:
         write_posterior(diagnosis(tmp_path, cause, correlation=correlation), tmp_path / "found.yaml")
     assert "\n" not in str(refused.value) and not (tmp_path / "found.yaml").exists()
 
 
 @pytest.mark.parametrize(
-    ("numbers", "told"),
+    ("numbers", "message"),
     [
         ([0.0, 1.0], "normal must be"),
         ([0.0, 0.0, -1.0, 1.0], "normal must be"),
@@ -300,7 +300,7 @@ def test_a_diagnosis_that_cannot_be_is_refused_in_one_line_and_nothing_written(
         ([0.5, 1.0, -1.0, 2.0], "out of range"),
     ],
 )
-def test_a_normal_distribution_that_makes_no_sense_is_refused(numbers: list[float], told: str) -> None:
+def test_a_normal_distribution_that_makes_no_sense_is_refused(numbers: list[float], message: str) -> None:
     entry = {"effect": "thruster_gain", "thruster": "bs", "gain": {"normal": numbers}}
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         load_disturbances([entry], BOAT.thruster_names)

@@ -298,18 +298,18 @@ FAULTY: dict[str, tuple[Entry, str]] = {
 
 @pytest.mark.parametrize("fault", FAULTY)
 def test_a_faulty_figure_is_one_line_with_file_and_entry(fault: str, tmp_path: Path, call: Call) -> None:
-    figure, told = FAULTY[fault]
+    figure, result = FAULTY[fault]
     path = written(tmp_path / "figures.yaml", GOOD, figure)
     done = call("diagnose", path, "--boat", "swamp-thesis", "--out", tmp_path / "out")
-    assert_complains(done, str(path), "figures 2", told, code=2)
+    assert_complains(done, str(path), "figures 2", result, code=2)
     assert not (tmp_path / "out").exists()
 
 
-def test_a_boat_file_in_the_place_of_figures_is_told_apart(tmp_path: Path, call: Call) -> None:
+def test_a_boat_file_in_the_place_of_figures_is_distinguished(tmp_path: Path, call: Call) -> None:
     write_yaml(tmp_path / "mine.yaml", {"extends": "swamp"})
     words = "diagnose", tmp_path / "mine.yaml", "--out", tmp_path / "out"
-    said = "mine.yaml: holds no printed figures; name a folder of runs"
-    assert_complains(call(*words, "--boat", "swamp"), said)
+    message = "mine.yaml: holds no printed figures; name a folder of runs"
+    assert_complains(call(*words, "--boat", "swamp"), message)
     assert_complains(call(*words), "mine.yaml: is read as printed figures, whose boat is needed: --boat NAME")
 
 
@@ -324,7 +324,7 @@ def test_every_fault_of_a_file_has_a_line(tmp_path: Path, call: Call) -> None:
         and len(lines) > len(FAULTY)
         and all(line.startswith(f"swamp-rl: {path}: ") for line in lines)
     )
-    assert all(any(told in line for line in lines) for _, told in FAULTY.values())
+    assert all(any(result in line for line in lines) for _, result in FAULTY.values())
     assert any("waves has no such parameter" in line for line in lines)
 
 

@@ -77,7 +77,7 @@ def test_labels_are_readable_and_have_their_thrusters() -> None:
 
 
 @pytest.mark.parametrize(
-    ("verdict", "changes", "told"),
+    ("verdict", "changes", "message"),
     [
         ("nothing_wrong", {}, "residuals are measurement noise"),
         ("cause", {"causes": [OFFSET]}, "lacks one effect: azimuth offset (bs)"),
@@ -96,8 +96,8 @@ def test_labels_are_readable_and_have_their_thrusters() -> None:
         ("unexplained", {"causes": [OFFSET]}, "explained in part by azimuth offset (bs)."),
     ],
 )
-def test_every_verdict_is_a_sentence(verdict: str, changes: dict[str, object], told: str) -> None:
-    assert told in headline(diagnosis(verdict, **changes))
+def test_every_verdict_is_a_sentence(verdict: str, changes: dict[str, object], message: str) -> None:
+    assert message in headline(diagnosis(verdict, **changes))
 
 
 def test_a_cause_has_its_interval_in_degrees_beside_what_the_boat_file_has() -> None:
@@ -132,8 +132,8 @@ def test_the_gain_is_in_degrees_with_as_many_digits_as_the_error_and_no_negative
 
 def test_the_residual_force_is_reported_with_its_variable() -> None:
     left = [ResidualForce(force="yaw", variable="heading", explained=0.62)]
-    said = residual_force_sentence(diagnosis("unexplained", leftover=left))
-    assert "yaw moment as a function of heading" in said and "62%" in said
+    message = residual_force_sentence(diagnosis("unexplained", leftover=left))
+    assert "yaw moment as a function of heading" in message and "62%" in message
 
 
 def test_the_function_of_a_residual_force_is_shown_with_its_hypothesis() -> None:
@@ -180,7 +180,7 @@ def test_data_without_noise_are_not_said_to_have_some() -> None:
     assert ">below 0.00200</td>" in text and ">0.573</td>" in text
 
 
-def test_the_noise_of_the_weights_is_told_with_both_its_parts() -> None:
+def test_the_noise_of_the_weights_is_reported_with_both_its_parts() -> None:
     text = details(diagnosis("nothing_wrong", noise={"north": 0.16}), no_runs())
     assert "white measurement noise, estimated from third differences" in text
     assert "the error that the simulator's step makes in whole runs" in text
@@ -199,8 +199,8 @@ def test_digits_are_plain_and_cells_are_escaped() -> None:
 def test_unidentifiable_effects_are_listed_with_their_thrusters() -> None:
     pairs = ["bs bp", "bs ss", "bs sp", "bp ss", "bp sp", "ss sp"]
     unseen = ["azimuth_lag", *(f"channel_swap {pair}" for pair in pairs), "thruster_failure bp", "mass"]
-    told = effects_listed(unseen, load_boat("swamp"))
-    assert told == "azimuth lag, channel swap, thruster failure (bp), mass"
+    message = effects_listed(unseen, load_boat("swamp"))
+    assert message == "azimuth lag, channel swap, thruster failure (bp), mass"
     some = effects_listed(["channel_swap bs bp", "channel_swap ss sp"], load_boat("swamp"))
     assert some == "channel swap (bs and bp, ss and sp)"
     weather = ["wind by_run", "wind", "azimuth_offset bs", "thrust_sag by_day"]
@@ -216,7 +216,7 @@ def test_a_boat_whose_causes_are_all_minor_is_not_called_without_any() -> None:
     assert "No model error matters" in headline(diagnosis("nothing_wrong", minor=[LAG]))
 
 
-def test_what_the_errors_of_the_boat_file_allow_is_told_apart_from_what_changes_no_prediction() -> None:
+def test_what_the_errors_of_the_boat_file_allow_is_distinguished_from_what_changes_no_prediction() -> None:
     within = LAG.model_copy(update={"within_boat_errors": True})
     both = diagnosis("cause", minor=[LAG, within.model_copy(update={"effect": "mass"})])
     assert minor_sentence(both) == (
@@ -229,21 +229,21 @@ def test_what_the_errors_of_the_boat_file_allow_is_told_apart_from_what_changes_
 
 def test_the_page_tells_effects_that_the_data_cannot_show_from_those_below_the_models_error() -> None:
     found = diagnosis("unexplained", unseen=["azimuth_lag"], hidden=["mass", "current"])
-    said = limits_section(found, no_runs())
-    assert "from these data, whatever the model" in said and "typical size): azimuth lag." in said
-    assert "below the error of this model: mass, current." in said
+    message = limits_section(found, no_runs())
+    assert "from these data, whatever the model" in message and "typical size): azimuth lag." in message
+    assert "below the error of this model: mass, current." in message
     assert "below the error" not in limits_section(diagnosis("cause", unseen=["mass"]), no_runs())
 
 
 def test_the_report_counts_the_effects_without_a_number_that_were_fitted() -> None:
     tried = ["channel_swap bs bp", "channel_swap bs ss", "azimuth_reversed all"]
-    said = meaning(diagnosis("unexplained", hypotheses=9, discrete=tried))
-    assert "9 sets" in said and "the 3 without a number (channel swap, azimuth reversed)" in said
+    message = meaning(diagnosis("unexplained", hypotheses=9, discrete=tried))
+    assert "9 sets" in message and "the 3 without a number (channel swap, azimuth reversed)" in message
     assert "without a number" not in meaning(diagnosis("unexplained", hypotheses=9))
 
 
 @pytest.mark.parametrize(
-    ("separation", "said"),
+    ("separation", "message"),
     [
         (12.34, "separating manoeuvre: straight ahead, 100 % (12.3 standard errors apart)"),
         (
@@ -252,10 +252,12 @@ def test_the_report_counts_the_effects_without_a_number_that_were_fitted() -> No
         ),
     ],
 )
-def test_a_manoeuvre_is_proposed_only_if_it_separates_the_explanations(separation: float, said: str) -> None:
+def test_a_manoeuvre_is_proposed_only_if_it_separates_the_explanations(
+    separation: float, message: str
+) -> None:
     trial = {"manoeuvre": "straight ahead, 100 %", "separation": separation, "duration_s": 60.0}
     found = diagnosis("indistinguishable", separating_trial=trial)
-    assert separating_sentence(found) == said
+    assert separating_sentence(found) == message
     assert ("is proposed below" in meaning(found)) == (separation > 1.0)
 
 
@@ -263,17 +265,17 @@ def test_functions_of_the_residual_force_that_the_data_do_not_separate_are_named
     first = ResidualForce(force="thrust of ss", variable="throttle ss", explained=0.6, gain=33.0)
     near = ResidualForce(force="thrust of bs", variable="throttle bs", explained=0.7, gain=32.0)
     far = ResidualForce(force="yaw", variable="heading", explained=0.2, gain=17.0)
-    said = residual_force_sentence(diagnosis("unexplained", leftover=[first, near, far]))
-    assert said.endswith("do not separate it from: thrust of bs against throttle bs.")
+    message = residual_force_sentence(diagnosis("unexplained", leftover=[first, near, far]))
+    assert message.endswith("do not separate it from: thrust of bs against throttle bs.")
     assert "separate" not in residual_force_sentence(diagnosis("unexplained", leftover=[first, far]))
 
 
-def test_a_smoothed_channel_is_told_with_both_of_its_noises() -> None:
+def test_a_smoothed_channel_is_reported_with_both_of_its_noises() -> None:
     north = SmoothedNoise(sample_noise=0.01, standard_deviation=0.06, time_constant_s=0.2)
     yaw_rate = SmoothedNoise(sample_noise=0.001, standard_deviation=0.01, time_constant_s=0.3)
-    said = smoothed_sentence(diagnosis("cause", smoothed={"north": north, "yaw_rate": yaw_rate}))
-    assert "north 0.01 m, weighted with 0.06 m (time constant 0.2 s)" in said
-    assert "yaw rate 0.057 degrees/s, weighted with 0.57 degrees/s" in said
+    message = smoothed_sentence(diagnosis("cause", smoothed={"north": north, "yaw_rate": yaw_rate}))
+    assert "north 0.01 m, weighted with 0.06 m (time constant 0.2 s)" in message
+    assert "yaw rate 0.057 degrees/s, weighted with 0.57 degrees/s" in message
     assert smoothed_sentence(diagnosis("cause")) == ""
 
 
@@ -311,21 +313,21 @@ def test_the_residual_section_names_a_variable_or_says_that_there_is_none() -> N
 
 
 @pytest.mark.parametrize(
-    ("ci95", "said"), [((0.1, 0.3), ""), ((-0.1, 0.3), "not significant"), ((-0.4, -0.1), "10 s ahead worse")]
+    ("ci95", "text"), [((0.1, 0.3), ""), ((-0.1, 0.3), "not significant"), ((-0.4, -0.1), "10 s ahead worse")]
 )
-def test_an_insignificant_gain_is_reported_as_such(ci95: tuple[float, float], said: str) -> None:
+def test_an_insignificant_gain_is_reported_as_such(ci95: tuple[float, float], text: str) -> None:
     paired = Paired(before=1.0, after=0.9, ci95=ci95)
     gain = Gain(horizon_s=10.0, restarts=9, blocks="runs", position_rmse_m=paired)
-    told = gain_sentence(diagnosis("cause", causes=[LAG], gain=[gain]))
-    assert said in told and bool(told) == bool(said)
+    message = gain_sentence(diagnosis("cause", causes=[LAG], gain=[gain]))
+    assert text in message and bool(message) == bool(text)
 
 
-def test_the_error_with_a_missing_force_that_was_written_is_told_without_a_cause_too() -> None:
+def test_the_error_with_a_missing_force_that_was_written_is_reported_without_a_cause_too() -> None:
     paired = Paired(before=1.0, after=2.0, ci95=(-1.2, -0.8))
     gain = Gain(horizon_s=10.0, restarts=9, blocks="runs", position_rmse_m=paired)
     force = Extension(curves=[], held_out=HeldOut(gain=9.0, low=1.0, level=0.95), written=True)
-    told = gain_section(diagnosis("unexplained", extension=force, gain=[gain]))
-    assert "1.00 → 2.00 m" in told and "10 s ahead worse" in told
+    message = gain_section(diagnosis("unexplained", extension=force, gain=[gain]))
+    assert "1.00 → 2.00 m" in message and "10 s ahead worse" in message
 
 
 def test_units_are_written_as_one_does_and_stay_on_one_line() -> None:
@@ -337,8 +339,8 @@ def test_correlated_errors_are_attributed_to_the_receiver_or_the_model() -> None
     assert "Gauss-Markov part (standard deviation): north 0.500 m; time constant 21 s" in (
         noise_sentence(diagnosis("cause", wandering={"north": lasting}))
     )
-    told = noise_sentence(diagnosis("unexplained", wandering={"heading": lasting}))
-    assert "correlated in time" in told and "heading 28.6 degrees" in told
+    message = noise_sentence(diagnosis("unexplained", wandering={"heading": lasting}))
+    assert "correlated in time" in message and "heading 28.6 degrees" in message
     assert noise_sentence(diagnosis("cause")) == ""
 
 
@@ -346,8 +348,8 @@ def test_rivals_are_listed_with_their_parameters() -> None:
     names = ["mass", "azimuth_lag"]
     contrast = Contrast(effects=names, angle=0.1, evidence=-2.0, mutual_refit=1.0, rival=[LAG])
     found = diagnosis("indistinguishable", indistinguishable=[names], contrasts=[contrast])
-    told = identifiability_section(found, no_runs())
-    assert "0.588 to 0.636" in told and "−2.0" in told
+    message = identifiability_section(found, no_runs())
+    assert "0.588 to 0.636" in message and "−2.0" in message
 
 
 def test_a_manoeuvre_is_described_as_the_boat_can_sail_it() -> None:
@@ -356,7 +358,7 @@ def test_a_manoeuvre_is_described_as_the_boat_can_sail_it() -> None:
     assert manoeuvre_words("zig-zag, 80 %", load_boat("swamp")) == "zig-zag, 80 %"
 
 
-def test_it_is_told_which_file_has_which_cause() -> None:
+def test_it_is_reported_which_file_has_which_cause() -> None:
     wind = Cause(effect="wind", parameters={})
     assert files_sentence(diagnosis("cause", causes=[LAG])).endswith("the boat file with azimuth_lag.")
     both = files_sentence(diagnosis("cause", causes=[LAG, wind]))

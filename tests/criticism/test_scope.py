@@ -147,12 +147,12 @@ def test_a_bias_of_the_compass_fits_velocities_that_it_turned() -> None:
     measured[..., 3], measured[..., 4] = turned(measured[..., 3], measured[..., 4], np.array(-0.1))
     biased = replace(runs, measured=measured, of_earth=(True, True, True))
     chi2 = {}
-    for name, one in {"told": biased, "not told": replace(biased, of_earth=())}.items():
+    for name, one in {"given": biased, "not given": replace(biased, of_earth=())}.items():
         problem = Shooting(one, weights(one, noise_levels(one)), 5.0)
         made = fit(problem, Hypothesis((bias,)), np.array([0.05]), problem.initial_states())
         chi2[name] = made.chi2 / problem.samples, float(made.x[0])
-    assert chi2["told"] == (pytest.approx(1.0, abs=0.15), pytest.approx(0.1, abs=0.003))
-    assert chi2["not told"][0] > 1.5
+    assert chi2["given"] == (pytest.approx(1.0, abs=0.15), pytest.approx(0.1, abs=0.003))
+    assert chi2["not given"][0] > 1.5
 
 
 def test_days_are_groups_where_a_dataset_names_them() -> None:

@@ -88,8 +88,8 @@ def test_a_wandering_position_has_the_estimated_size_and_time_constant() -> None
 
 
 def test_the_noise_of_a_smoothed_channel_is_recognised_as_the_filter_that_it_was_estimated_as() -> None:
-    told = {"heading": SmoothedNoise(sample_noise=0.002, standard_deviation=0.01, time_constant_s=0.4)}
-    noise = sensor_noise(SIGMA, told, None, DT)
+    message = {"heading": SmoothedNoise(sample_noise=0.002, standard_deviation=0.01, time_constant_s=0.4)}
+    noise = sensor_noise(SIGMA, message, None, DT)
     still = simulated_runs([])
     drawn = noise.drawn(np.random.default_rng(3), 3, 3000, DT)
     at_sample_rate = np.std(np.concatenate([third_differences(run[:, 2]) for run in drawn])) / np.sqrt(20.0)
@@ -122,7 +122,7 @@ def test_the_answer_of_a_hypothesis_leaves_out_minor_causes_and_a_nuisance_besid
     assert causes_in("mass", {"mass"}) == causes_in("nothing") == "nothing"
 
 
-def told(verdict: str, **changes: Any) -> Diagnosis:
+def diagnosis_of(verdict: str, **changes: Any) -> Diagnosis:
     """A diagnosis with a self-trial and nothing else in it."""
     empty = ("causes", "indistinguishable", "contrasts", "leftover", "candidates", "unseen", "gain")
     values: dict[str, Any] = {name: [] for name in empty} | {"separating_trial": None, "noise": {}}
@@ -131,19 +131,19 @@ def told(verdict: str, **changes: Any) -> Diagnosis:
 
 
 def test_the_sentence_counts_what_was_named_and_what_instead() -> None:
-    found = told("cause", confused_with={"wind": 1, "thruster_gain bs + mass": 1, "nothing": 3})
+    found = diagnosis_of("cause", confused_with={"wind": 1, "thruster_gain bs + mass": 1, "nothing": 3})
     assert self_trial_sentence(found) == (
         "Self-trial: named 18 of 20 times; once wind instead; once thruster gain (bs) and mass instead; "
         "3 times nothing instead."
     )
-    clean = told("nothing_wrong", named=20)
+    clean = diagnosis_of("nothing_wrong", named=20)
     assert self_trial_sentence(clean) == "Self-trial: diagnosed as nothing wrong 20 of 20 times."
     assert "linearised" in self_trial_section(clean)
-    assert "linearised" not in self_trial_section(told("cause", method="search"))
+    assert "linearised" not in self_trial_section(diagnosis_of("cause", method="search"))
 
 
 def test_where_nothing_explains_the_runs_one_sentence_says_why_there_is_no_self_trial() -> None:
-    found = told("unexplained", named=0, of=0, omitted=OMITTED)
+    found = diagnosis_of("unexplained", named=0, of=0, omitted=OMITTED)
     assert self_trial_sentence(found).startswith("No self-trial: no set of effects explains the runs")
     assert self_trial_section(found).count("<p>") == 1
     without = found.model_copy(update={"self_trial": None})
@@ -153,13 +153,13 @@ def test_where_nothing_explains_the_runs_one_sentence_says_why_there_is_no_self_
 def test_the_schema_holds_the_self_trial_and_refuses_another_method() -> None:
     published = json.loads((ROOT / "docs" / "diagnosis.schema.json").read_text())
     assert set(published["$defs"]["SelfTrial"]["required"]) == {"named", "of"}
-    assert told("cause").model_dump()["self_trial"]["method"] == "linearised"
+    assert diagnosis_of("cause").model_dump()["self_trial"]["method"] == "linearised"
     with pytest.raises(ValidationError):
-        told("cause", method="guess")
+        diagnosis_of("cause", method="guess")
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (("--self-trial", "-1"), "--self-trial"),
         (("--self-trial", "many"), "--self-trial"),
@@ -168,11 +168,11 @@ def test_the_schema_holds_the_self_trial_and_refuses_another_method() -> None:
     ],
 )
 def test_wrong_arguments_are_refused_and_nothing_is_written(
-    call: Call, tmp_path: Path, words: tuple[str, ...], said: str
+    call: Call, tmp_path: Path, words: tuple[str, ...], message: str
 ) -> None:
     (tmp_path / "runs").mkdir()
     code, _, error = call("diagnose", tmp_path / "runs", "--out", tmp_path / "out", *words)
-    assert code == 2 and said in error
+    assert code == 2 and message in error
     assert not (tmp_path / "out").exists()
 
 

@@ -53,18 +53,18 @@ def test_without_a_boat_file_the_dataset_is_compared_with_its_own_boat(tmp_path:
 
 
 @pytest.mark.parametrize(
-    ("second", "said"),
+    ("second", "message"),
     [("may", "is given twice"), ("other/may", "rename one"), ("june", "recorded with boat swamp-light")],
 )
 def test_what_cannot_be_diagnosed_together_is_refused_in_one_line(
-    tmp_path: Path, second: str, said: str
+    tmp_path: Path, second: str, message: str
 ) -> None:
     first = recorded(tmp_path / "may", None)
     if second == "june":
         recorded(tmp_path / second, None, vehicle="swamp-light")
     elif second != "may":
         recorded(tmp_path / second, None)
-    with pytest.raises(UserError, match=said) as refused:
+    with pytest.raises(UserError, match=message) as refused:
         diagnose([first, tmp_path / second], "swamp", tmp_path / "answer")
     assert "\n" not in str(refused.value)
     assert not (tmp_path / "answer").exists()

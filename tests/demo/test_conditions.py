@@ -1,4 +1,4 @@
-"""Whether runs met one start and one weather is told by what they say of themselves, and nothing else."""
+"""Whether runs met one start and one weather depends on their metadata alone."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from swamp_rl.runs import Run, RunMeta
 from tests.support.runs import circling
 
 START = {"north": 0.1, "east": 0.2, "heading": -0.3, "surge": 0.0, "sway": 0.0, "yaw_rate": 0.0}
-TOLD = {
+META = {
     "seed": 7,
     "initial_state": START,
     "disturbances": [{"effect": "wind", "speed": 3.0, "from": 0.5}],
@@ -20,16 +20,16 @@ TOLD = {
 
 
 def run(name: str = "a", **changes: object) -> Run:
-    return Run(name, circling(), RunMeta.model_validate(TOLD | changes))
+    return Run(name, circling(), RunMeta.model_validate(META | changes))
 
 
 def test_the_same_start_and_weather_are_said_with_level_and_seed() -> None:
     found = conditions([run(), run("b")])
-    assert found.same and found.said == "same start, same weather: standard, seed 7"
+    assert found.same and found.sentence == "same start, same weather: standard, seed 7"
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"disturbances": [{"effect": "wind", "speed": 3.1, "from": 0.5}]}, "different weather"),
         ({"gust_seed": 12}, "different weather"),
@@ -42,19 +42,19 @@ def test_the_same_start_and_weather_are_said_with_level_and_seed() -> None:
         ({"kicked_steps": 3}, "different weather: in b someone moved the stern thrusters"),
     ],
 )
-def test_whatever_differs_or_is_not_told_is_said(changes: dict[str, object], said: str) -> None:
+def test_whatever_differs_or_is_not_reported_is_said(changes: dict[str, object], message: str) -> None:
     found = conditions([run(), run("b", **changes)])
-    assert not found.same and found.said == said
+    assert not found.same and found.sentence == message
 
 
 def test_without_disturbances_the_seed_of_the_gusts_does_not_matter() -> None:
     calm = {"disturbances": [], "level": "none"}
     found = conditions([run(**calm), run("b", gust_seed=12, **calm)])
-    assert found.same and found.said == "same start, same weather: calm, seed 7"
+    assert found.same and found.sentence == "same start, same weather: calm, seed 7"
 
 
 def test_runs_of_different_boats_do_not_compare() -> None:
-    assert conditions([run(), run("b")], one_boat=False).said == "different boats"
+    assert conditions([run(), run("b")], one_boat=False).sentence == "different boats"
 
 
 def test_runs_of_one_weather_start_together_and_others_are_aligned_at_the_gate() -> None:

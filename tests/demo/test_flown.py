@@ -47,21 +47,21 @@ def test_it_meets_the_weather_that_the_runs_seed_and_level_give(runs: Path) -> N
         for name, values in drawn.columns.items():
             assert np.array_equal(own.columns[name], values), name
         assert own.meta.outcome == drawn.meta.outcome
-        assert conditions([run, own]).said == f"same start, same weather: severe, seed {run.meta.seed}"
+        assert conditions([run, own]).sentence == f"same start, same weather: severe, seed {run.meta.seed}"
 
 
 def test_beside_several_runs_it_sails_each_of_their_episodes(runs: Path) -> None:
     scene = read_shown([runs, "line-of-sight"], [], None)
     shown = [(item.group, item.name) for item in scene.shown]
     assert shown == [(who, name) for who in ("scripted", "line-of-sight") for name in ("run-001", "run-002")]
-    assert scene.conditions.said == "different weather"
+    assert scene.conditions.sentence == "different weather"
 
 
 def test_beside_a_run_that_tells_nothing_it_starts_there_in_calm_and_that_is_said() -> None:
     measured = Run("tow", circling())
     own = flown(LineOfSightPilot(), "line-of-sight", measured, BOAT, COURSE, STEP)
     assert own.pose[0] == pytest.approx(measured.pose[0])
-    assert conditions([measured, own]).said == "different weather: tow does not record its own"
+    assert conditions([measured, own]).sentence == "different weather: tow does not record its own"
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_a_pilot_of_other_thrusters_another_size_or_step_is_refused(
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "text"),
     [
         ({}, ""),
         ({"boat": "swamp-light", "boat_sha256": "0" * 64}, "was made for boat swamp-light, it drives swamp"),
@@ -91,12 +91,12 @@ def test_a_pilot_of_other_thrusters_another_size_or_step_is_refused(
     ],
 )
 def test_a_pilot_of_another_boat_with_the_same_thrusters_drives_with_a_note(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], changes: dict[str, object], said: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], changes: dict[str, object], text: str
 ) -> None:
     save_pilot(LineOfSightPilot(), tmp_path / "p", made=MADE.model_copy(update=changes))
     opened_for(asked_pilot(str(tmp_path / "p")), BOAT, STEP)
-    told = capsys.readouterr().err
-    assert said in told and len(told.splitlines()) == bool(said)
+    message = capsys.readouterr().err
+    assert text in message and len(message.splitlines()) == bool(text)
 
 
 def test_a_pilot_that_observes_what_there_is_not_is_named(

@@ -33,8 +33,8 @@ NASTY = """</script><img src=x onerror="document.title='pwned'">&amp;'"""
 
 
 def scene(title: str = "race", group: str = "human") -> DemoScene:
-    told = RunMeta(outcome="success", disturbances=[{"effect": "current", "north": 0.2}])
-    runs = {group: [Run(NASTY, circling(), told)], "ppo": [Run("b", circling(start=1.0), told)]}
+    meta = RunMeta(outcome="success", disturbances=[{"effect": "current", "north": 0.2}])
+    runs = {group: [Run(NASTY, circling(), meta)], "ppo": [Run("b", circling(start=1.0), meta)]}
     return demo_scene(title, runs, load_course("camogli"), (1.24, 1.1))
 
 
@@ -45,24 +45,24 @@ def data_of(text: str) -> dict[str, Any]:
 
 
 def test_the_page_holds_the_tracks_to_the_centimetre() -> None:
-    told = data_of(page(scene()))
+    data = data_of(page(scene()))
     columns = circling()
     every = round(STEP * 10)
-    run = told["runs"][0]
+    run = data["runs"][0]
     assert run["north"] == pytest.approx(columns["north"][::every], abs=0.0051)
     assert run["east"] == pytest.approx(columns["east"][::every], abs=0.0051)
     assert run["panels"]["speed over ground [m/s]"] == pytest.approx(np.full(len(run["north"]), 0.5))
     assert run["flows"]["current"][0] == [0.2] * len(run["north"])
-    assert [gate["name"] for gate in told["gates"]] == ["green", "red"]
+    assert [gate["name"] for gate in data["gates"]] == ["green", "red"]
 
 
 def test_symbols_grow_with_the_boat_as_its_course_does() -> None:
     course, runs = load_course("camogli"), {"human": [Run("a", circling())]}
     for times in (0.25, 1.0, 16.0):
         size, laid_out = times * SWAMP_LENGTH, fitted(course, times * SWAMP_LENGTH, 10.0)
-        told = data_of(page(demo_scene("a", runs, laid_out, (size, size))))
-        assert told["scale"] == pytest.approx(times)
-        assert told["gates"][0]["radius"] == pytest.approx(times * course.buoy_radius)
+        data = data_of(page(demo_scene("a", runs, laid_out, (size, size))))
+        assert data["scale"] == pytest.approx(times)
+        assert data["gates"][0]["radius"] == pytest.approx(times * course.buoy_radius)
 
 
 def test_the_page_needs_no_other_file_and_may_load_none() -> None:
@@ -75,8 +75,8 @@ def test_the_page_needs_no_other_file_and_may_load_none() -> None:
 def test_names_stay_data_whatever_they_hold() -> None:
     text = page(scene(NASTY, NASTY))
     assert "<img" not in text
-    told = data_of(text)
-    assert told["title"] == NASTY and told["groups"][0]["name"] == NASTY
+    data = data_of(text)
+    assert data["title"] == NASTY and data["groups"][0]["name"] == NASTY
     assert text.count("</script>") == 2
 
 
@@ -95,7 +95,7 @@ def test_in_a_browser_it_plays_pauses_seeks_and_changes_its_layout(tmp_path: Pat
         wrong: list[str] = []
         asked: list[str] = []
         tab.on("pageerror", lambda error: wrong.append(str(error)))
-        tab.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
+        tab.on("console", lambda message: wrong.append(message.text) if message.type == "error" else None)
         tab.on("request", lambda request: asked.append(request.url))
         tab.add_init_script(NUMBERS)
         tab.goto(f"{(tmp_path / 'a.html').as_uri()}#t=1.5")

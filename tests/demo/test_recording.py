@@ -102,9 +102,9 @@ def test_from_its_end_on_the_recording_tells_what_came_of_each_run(demo: Path) -
     printed = rrd("print|-vvv|--entity|/result", demo)
     assert " P0D " in printed and " PT11.9S " in printed
     shown = scene({"scripted": 1, "reservoir": 2, "a|b\n*c*": 1})
-    told = table(shown).splitlines()
-    assert [line.count(" | ") for line in told] == [5] * 6
-    assert told[2].startswith("| scripted |") and told[-1].startswith(r"| a\|b \*c\* |")
+    result = table(shown).splitlines()
+    assert [line.count(" | ") for line in result] == [5] * 6
+    assert result[2].startswith("| scripted |") and result[-1].startswith(r"| a\|b \*c\* |")
     assert "different weather" in about(shown)
 
 
@@ -119,7 +119,7 @@ def test_many_runs_stay_few_pieces_with_whole_tracks(tmp_path: Path) -> None:
 def test_an_interrupted_recording_is_dropped_without_a_word(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def interrupt(*told: object) -> None:
+    def interrupt(*result: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(recording, "_log_result", interrupt)
@@ -138,9 +138,9 @@ def test_names_with_any_characters_can_be_recorded(tmp_path: Path) -> None:
 
 def test_a_recording_that_cannot_be_written_says_so_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "demo.rrd").mkdir()
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         write_recording(tmp_path / "demo.rrd", scene({"a": 1}))
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
 def test_a_recording_for_which_the_disk_has_no_room_leaves_no_file(tmp_path: Path) -> None:

@@ -107,8 +107,8 @@ def test_distance_to_go_ends_at_nought_only_through_all_gates() -> None:
 
 
 def test_wind_from_the_north_blows_south_and_the_current_flows_where_it_says() -> None:
-    told = [{"effect": "wind", "speed": 4.0, "from": 0.0}, {"effect": "current", "east": 0.3}]
-    run = Run("a", northward(1.0).columns, RunMeta(disturbances=told))
+    message = [{"effect": "wind", "speed": 4.0, "from": 0.0}, {"effect": "current", "east": 0.3}]
+    run = Run("a", northward(1.0).columns, RunMeta(disturbances=message))
     blows, flows = wind(run), current(run)
     assert blows is not None and blows[0] == pytest.approx([-4.0, 0.0], abs=1e-12)
     assert flows is not None and flows[7] == pytest.approx([0.0, 0.3])
@@ -128,8 +128,8 @@ def test_a_wind_that_was_recorded_as_nought_throughout_is_not_drawn() -> None:
     for columns, drawn in ((calm, []), (windy, ["wind"])):
         scene = demo_scene("a", {"human": [Run("a", columns)]}, CAMOGLI, (1.24, 1.1))
         assert [flow.name for flow in flows(scene, scene.shown, TIME)] == drawn
-        told = json.loads(page(scene).split('type="application/json">')[1].split("</script>")[0])
-        assert list(told["runs"][0]["flows"]) == drawn
+        data = json.loads(page(scene).split('type="application/json">')[1].split("</script>")[0])
+        assert list(data["runs"][0]["flows"]) == drawn
 
 
 def test_the_bow_points_along_the_heading() -> None:

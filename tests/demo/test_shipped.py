@@ -38,12 +38,12 @@ def test_they_are_small() -> None:
 
 @pytest.mark.parametrize("name", PILOTS)
 def test_a_pilot_says_which_package_made_it_for_the_boat_as_it_is_now(name: str) -> None:
-    told = describe_pilot(PILOTS[name])
-    assert told.made is not None and told.fitted_on is not None
-    assert told.made.package.split()[0] == swamp_rl.__name__ and told.made.package.split()[1][0].isdigit()
-    assert told.made.boat_sha256 == boat_digest(load_boat("swamp")), "make them anew, see above"
-    assert told.made.boat_sha256 != boat_digest(load_boat("swamp-light"))
-    assert told.fitted_on.source == "scripted"
+    result = describe_pilot(PILOTS[name])
+    assert result.made is not None and result.fitted_on is not None
+    assert result.made.package.split()[0] == swamp_rl.__name__ and result.made.package.split()[1][0].isdigit()
+    assert result.made.boat_sha256 == boat_digest(load_boat("swamp")), "make them anew, see above"
+    assert result.made.boat_sha256 != boat_digest(load_boat("swamp-light"))
+    assert result.fitted_on.source == "scripted"
 
 
 @pytest.mark.parametrize("name", PILOTS)
@@ -78,7 +78,7 @@ def test_the_run_stands_alone_and_says_that_a_programme_drove() -> None:
 def test_without_a_source_all_of_them_are_shown_in_one_weather() -> None:
     scene = read_shown([], [], None)
     assert scene.groups == ["scripted", *PILOTS, *BUILT_IN]
-    assert scene.conditions.same and scene.conditions.said.startswith(
+    assert scene.conditions.same and scene.conditions.sentence.startswith(
         "same start, same weather: standard, seed "
     )
     assert "human" not in scene.about

@@ -53,7 +53,7 @@ def test_a_number_that_no_design_has_is_refused_or_can_be_computed(name: str, tm
 
 
 @pytest.mark.parametrize(
-    ("name", "key", "told"),
+    ("name", "key", "message"),
     [
         ("swamp_hull", "spacing", "spacing must be at most the length"),
         ("swamp_hull", "depth", "depth must be at most the length"),
@@ -65,8 +65,10 @@ def test_a_number_that_no_design_has_is_refused_or_can_be_computed(name: str, tm
         ("typhoon_match", "propellers.diameter", "propellers.diameter: must be at most 20"),
     ],
 )
-def test_a_number_far_too_large_is_refused_by_its_key(name: str, key: str, told: str, tmp_path: Path) -> None:
+def test_a_number_far_too_large_is_refused_by_its_key(
+    name: str, key: str, message: str, tmp_path: Path
+) -> None:
     changed = dict(with_one(read_yaml(find_config("designs", name)), 1e18))[key]
     write_yaml(tmp_path / "design.yaml", changed)
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         DESIGNS[name](tmp_path / "design.yaml")

@@ -154,16 +154,16 @@ def test_what_does_not_float_is_refused(mass: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("draught", "told"), [(0.5, "no freeboard above a draught of 0.5 m"), (0.4, "no freeboard above")]
+    ("draught", "message"), [(0.5, "no freeboard above a draught of 0.5 m"), (0.4, "no freeboard above")]
 )
-def test_a_drowned_deck_is_refused(draught: float, told: str) -> None:
+def test_a_drowned_deck_is_refused(draught: float, message: str) -> None:
     condition = Condition(name="drowned", draught=draught, centre_of_gravity=0.2)
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         stability(HULL, condition, np.array([0.0, 0.1]))
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ({"cut": 0.3}, "cut must be below wigley_draught"),
         ({"depth": 0.1}, "depth must be at least"),
@@ -175,9 +175,9 @@ def test_a_drowned_deck_is_refused(draught: float, told: str) -> None:
         ({"breadth": float("nan")}, "breadth: .*finite"),
     ],
 )
-def test_a_faulty_file_is_refused_by_key(keys: dict[str, Any], told: str, tmp_path: Path) -> None:
+def test_a_faulty_file_is_refused_by_key(keys: dict[str, Any], message: str, tmp_path: Path) -> None:
     path = tmp_path / "hull.yaml"
     write_yaml(path, read_yaml(find_config("designs", "swamp_hull")) | keys)
-    with pytest.raises(UserError, match=told) as refused:
+    with pytest.raises(UserError, match=message) as refused:
         load_hull(path)
     assert "\n" not in str(refused.value)

@@ -94,7 +94,7 @@ def test_a_boats_tank_table_gives_a_best_range_within_what_was_towed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         (ON_A_BOAT | {"onboard_power": [0.01]}, "lies below the towed"),
         (ON_A_BOAT | {"onboard_power": [1e6]}, "lies above the towed"),
@@ -103,8 +103,8 @@ def test_a_boats_tank_table_gives_a_best_range_within_what_was_towed() -> None:
         (ON_A_BOAT | {"vehicle": {"boat": "nowhere"}}, "no boat file named"),
     ],
 )
-def test_a_match_without_a_solution_is_refused_on_one_line(keys: dict[str, Any], told: str) -> None:
-    with pytest.raises(UserError, match=told) as refused:
+def test_a_match_without_a_solution_is_refused_on_one_line(keys: dict[str, Any], message: str) -> None:
+    with pytest.raises(UserError, match=message) as refused:
         design = changed(**keys)
         matches(design)
         best_ranges(design)
@@ -112,7 +112,7 @@ def test_a_match_without_a_solution_is_refused_on_one_line(keys: dict[str, Any],
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ({"vehicle": {"drag_coefficient": 0.3}}, "vehicle: give either boat, or"),
         ({"water_density": None}, "water_density: give it"),
@@ -121,9 +121,9 @@ def test_a_match_without_a_solution_is_refused_on_one_line(keys: dict[str, Any],
         ({"energie": 1.0}, "energie: unknown key; did you mean 'energy'"),
     ],
 )
-def test_a_faulty_file_is_refused_by_key(keys: dict[str, Any], told: str, tmp_path: Path) -> None:
+def test_a_faulty_file_is_refused_by_key(keys: dict[str, Any], message: str, tmp_path: Path) -> None:
     path = tmp_path / "match.yaml"
     write_yaml(path, read_yaml(find_config("designs", "typhoon_match")) | keys)
-    with pytest.raises(UserError, match=told) as refused:
+    with pytest.raises(UserError, match=message) as refused:
         load_match(path)
     assert "\n" not in str(refused.value)

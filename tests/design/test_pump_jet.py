@@ -119,7 +119,7 @@ def test_a_design_of_another_size_at_the_same_jet_speed_is_alike(scale: float) -
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ({"thrust": 60.0}, "no solution: a head of"),
         ({"revolutions": 15.0}, "raise revolutions above"),
@@ -130,8 +130,8 @@ def test_a_design_of_another_size_at_the_same_jet_speed_is_alike(scale: float) -
         ({"blades": 3, "thrust": 14.0}, "add blades"),
     ],
 )
-def test_a_design_without_a_solution_is_refused_on_one_line(keys: dict[str, Any], told: str) -> None:
-    with pytest.raises(UserError, match=told) as refused:
+def test_a_design_without_a_solution_is_refused_on_one_line(keys: dict[str, Any], message: str) -> None:
+    with pytest.raises(UserError, match=message) as refused:
         design_pump_jet(changed(**keys))
     assert "\n" not in str(refused.value)
 
@@ -148,7 +148,7 @@ def test_whatever_numbers_a_design_has_it_is_refused_or_has_a_finite_result(keys
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         (
             {"thrust": {"value": 12.0, "unit": "kN", "provenance": "measured", "source": "s"}},
@@ -161,9 +161,9 @@ def test_whatever_numbers_a_design_has_it_is_refused_or_has_a_finite_result(keys
         ({"design": "hull"}, "design: is 'hull'"),
     ],
 )
-def test_a_faulty_file_is_refused_by_key(keys: dict[str, Any], told: str, tmp_path: Path) -> None:
+def test_a_faulty_file_is_refused_by_key(keys: dict[str, Any], message: str, tmp_path: Path) -> None:
     path = tmp_path / "jet.yaml"
     write_yaml(path, read_yaml(find_config("designs", "swamp_pump_jet")) | keys)
-    with pytest.raises(UserError, match=f"jet.yaml: {told}") as refused:
+    with pytest.raises(UserError, match=f"jet.yaml: {message}") as refused:
         load_pump_jet(path)
     assert "\n" not in str(refused.value)

@@ -30,12 +30,12 @@ def extras() -> set[str]:
     return set(project["optional-dependencies"]) - {"test", "docs", "attack"}
 
 
-def test_every_extra_is_on_the_page_of_commands_and_is_told_where_it_is_missing() -> None:
+def test_every_extra_is_on_the_page_of_commands_and_is_reported_where_it_is_missing() -> None:
     page = (ROOT / "docs" / "verbs.md").read_text()
-    told = "".join(path.read_text() for path in SOURCES)
+    message = "".join(path.read_text() for path in SOURCES)
     for extra in extras():
         assert command(extra) in page
-        assert re.search(rf"(missing|command)\([^)]*[\"']{extra}[\"']", told), extra
+        assert re.search(rf"(missing|command)\([^)]*[\"']{extra}[\"']", message), extra
 
 
 def test_whatever_cannot_be_imported_is_answered_with_the_command_that_installs_it() -> None:
@@ -49,6 +49,6 @@ def test_whatever_cannot_be_imported_is_answered_with_the_command_that_installs_
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_a_page_names_the_extras_that_it_needs(page: Path) -> None:
     text = page.read_text()
-    told = {extra for named in re.findall(r"swamp-rl\[([\w,]+)\]", text) for extra in named.split(",")}
-    assert {extra for extra, use in NEEDED.items() if re.search(use, text, re.MULTILINE)} <= told
-    assert told <= extras() | {"attack"}
+    message = {extra for named in re.findall(r"swamp-rl\[([\w,]+)\]", text) for extra in named.split(",")}
+    assert {extra for extra, use in NEEDED.items() if re.search(use, text, re.MULTILINE)} <= message
+    assert message <= extras() | {"attack"}

@@ -85,13 +85,13 @@ def test_the_log_of_the_tutorial_can_be_of_a_boat_whose_thrusters_do_not_turn(
 
 def test_a_command_that_fails_or_prints_something_else_is_seen(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
-    for text, told in (
+    for text, message in (
         ("$ false", "false"),
         ("$ echo one\ntwo", "expected"),
         ("$ echo 1.5\n1.4...", "expected"),
     ):
         page.write_text(f"```console\n{text}\n```\n")
-        with pytest.raises(AssertionError, match=told):
+        with pytest.raises(AssertionError, match=message):
             run_page(page, tmp_path)
     page.write_text("```python\nprint(1 + 1)\n```\n\n```text\n3\n```\n")
     with pytest.raises(AssertionError, match="expected"):
@@ -106,6 +106,6 @@ def test_a_wrong_option_is_seen_in_a_block_that_is_not_run(command: str) -> None
         check_options(Block("console", f"$ {command}\n", 1, "waits", False), "page")
 
 
-def test_commands_are_told_from_what_they_print() -> None:
+def test_commands_are_distinguished_from_what_they_print() -> None:
     assert list(commands("$ a \\\n  b\nsaid\n$ c\n")) == [("a \\\n  b", "said"), ("c", "")]
     assert_prints("a ... c", "a b\nc", "dots stand for anything")

@@ -116,11 +116,11 @@ def test_a_position_that_jumps_for_a_row_is_named_with_its_time(sound: list[Run]
     run.columns["east"] = run.columns["east"].copy()
     run.columns["east"][300] += 40.0
     (found,) = [one for one in faults([sound[0], run, sound[2]], twin) if one.code == "position_jump"]
-    assert found.runs == ("glitch",) and "30.0 s of glitch" in found.told
+    assert found.runs == ("glitch",) and "30.0 s of glitch" in found.message
     assert found.figures["longest_jump_m"] == pytest.approx(40.0, abs=1.0)
 
 
-def test_a_boat_that_is_carried_while_its_thrusters_rest_is_told_and_one_that_coasts_is_not(
+def test_a_boat_that_is_carried_while_its_thrusters_rest_is_reported_and_one_that_coasts_is_not(
     sound: list[Run], twin: Boat
 ) -> None:
     first = sound[0].columns
@@ -150,14 +150,14 @@ def test_a_position_that_is_reset_is_divided_by_the_advice_and_not_called_filter
         Run(run.name, run.columns | {"north": run.columns["north"] + 30.0 * (run.time > 30.05)})
         for run in sound
     ]
-    (told,) = faults(resets, twin)
-    assert told.code == "position_jump"
+    (result,) = faults(resets, twin)
+    assert result.code == "position_jump"
     about = {"mass": twin.mass, "draught": twin.draught, "water_density": twin.water_density}
     name = str(written(tmp_path, "twin"))
     create_dataset(tmp_path / "runs", DatasetMeta(vehicle=name, sample_rate=10.0, source="measured", **about))
     for run in resets:
         append_run(tmp_path / "runs", run)
-    keep = Reading(mapping_of([told.advice.split("'")[1]]))
+    keep = Reading(mapping_of([result.advice.split("'")[1]]))
     import_logs([tmp_path / "runs"], "parquet", tmp_path / "out", About(), Wishes(), keep)
     parts = read_dataset(tmp_path / "out").runs
     assert [len(run.time) for run in parts] == 3 * [300, 299]
@@ -251,7 +251,7 @@ def test_a_seeded_fault_is_named_with_its_column(what: str, sound: list[Run], tw
     assert all("\n" not in str(finding) for finding in found)
 
 
-def test_an_exchange_and_a_flip_are_told_as_the_mapping_that_undoes_them(
+def test_an_exchange_and_a_flip_are_reported_as_the_mapping_that_undoes_them(
     sound: list[Run], twin: Boat
 ) -> None:
     def logged(columns: Columns) -> Columns:
@@ -262,8 +262,8 @@ def test_an_exchange_and_a_flip_are_told_as_the_mapping_that_undoes_them(
         }
 
     (finding,) = faults([Run(run.name, logged(dict(run.columns))) for run in sound], twin)
-    told = "it obeys throttle_port=-throttle_starboard, throttle_starboard=throttle_port"
-    assert finding.code == "commands_exchanged" and finding.advice.endswith(told)
+    message = "it obeys throttle_port=-throttle_starboard, throttle_starboard=throttle_port"
+    assert finding.code == "commands_exchanged" and finding.advice.endswith(message)
 
 
 def test_a_command_at_its_lever_s_end_is_not_cut_off(sound: list[Run], twin: Boat) -> None:
@@ -283,7 +283,7 @@ def test_sides_are_known_by_their_names_without_a_boat(sound: list[Run]) -> None
     assert [finding.code for finding in found] == ["commands_exchanged"]
 
 
-def test_the_size_of_an_offset_and_of_a_latency_is_told(sound: list[Run], twin: Boat) -> None:
+def test_the_size_of_an_offset_and_of_a_latency_is_reported(sound: list[Run], twin: Boat) -> None:
     turned = [Run(r.name, {**r.columns, "heading": wrapped(r.columns["heading"] + 1.0)}) for r in sound]
     (finding,) = faults(turned, twin)
     assert finding.figures["offset_rad"] == pytest.approx(-1.0, abs=0.15)
@@ -336,7 +336,7 @@ def test_commands_of_another_boat_are_a_fault(sound: list[Run], twin: Boat) -> N
     (fault,) = (
         finding for finding in faults(sound, load_boat("swamp")) if finding.code == "commands_missing"
     )
-    assert "are not of boat swamp, whose commands are azimuth_bs, throttle_bs" in fault.told
+    assert "are not of boat swamp, whose commands are azimuth_bs, throttle_bs" in fault.message
 
 
 def test_runs_without_commands_are_noted(sound: list[Run], twin: Boat) -> None:
@@ -349,7 +349,7 @@ def test_runs_without_commands_are_noted(sound: list[Run], twin: Boat) -> None:
     assert note.level == "note"
 
 
-def test_one_constant_command_is_told_in_the_singular_and_a_lever_that_rests_is_none(
+def test_one_constant_command_is_reported_in_the_singular_and_a_lever_that_rests_is_none(
     sound: list[Run], twin: Boat
 ) -> None:
     runs = [
@@ -358,4 +358,4 @@ def test_one_constant_command_is_told_in_the_singular_and_a_lever_that_rests_is_
     ]
     (found,) = [one for one in examine(runs, twin) if one.code == "command_constant"]
     assert found.columns == ("throttle_port",)
-    assert (found.told, found.advice.split()[0]) == ("never varies", "its")
+    assert (found.message, found.advice.split()[0]) == ("never varies", "its")

@@ -77,11 +77,11 @@ def test_rows_without_a_time_are_left_out_and_the_gap_has_a_size() -> None:
     assert named(examine([Run("a", columns)]), "no_number") == {"time"}
 
 
-def test_an_infinite_value_is_told_with_its_row() -> None:
+def test_an_infinite_value_is_reported_with_its_row() -> None:
     columns = table()
     columns["north"][20] = np.inf
     (found,) = [finding for finding in examine([Run("a", columns)]) if finding.code == "no_number"]
-    assert found.columns == ("north",) and "row 21 of a" in found.told
+    assert found.columns == ("north",) and "row 21 of a" in found.message
 
 
 def spoiled(name: str, rng: np.random.Generator, rows: int) -> np.ndarray:

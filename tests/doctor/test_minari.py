@@ -37,7 +37,7 @@ def _shows_another(infos: Any, secret: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (_claims_too_much, "its episodes have more than"),
         (_links, "'(time|there)' is a link"),
@@ -47,7 +47,7 @@ def _shows_another(infos: Any, secret: Path) -> None:
     ],
 )
 def test_a_minari_file_names_no_other_file_and_claims_no_more_than_is_read(
-    tmp_path: Path, make: Callable[[Any, Path], None], told: str
+    tmp_path: Path, make: Callable[[Any, Path], None], message: str
 ) -> None:
     secret, held = tmp_path / "secret.hdf5", tmp_path / "data" / "main_data.hdf5"
     held.parent.mkdir()
@@ -55,5 +55,5 @@ def test_a_minari_file_names_no_other_file_and_claims_no_more_than_is_read(
         file["time"] = np.arange(8.0)
     with h5py.File(held, "w") as file:
         make(file.create_group("z/infos"), secret)
-    with pytest.raises(UserError, match=f"no whole Minari file .*{told}"):
+    with pytest.raises(UserError, match=f"no whole Minari file .*{message}"):
         read_records(tmp_path)

@@ -52,9 +52,9 @@ def test_a_damaged_boat_of_a_minari_export_is_one_line(tmp_path: Path) -> None:
     pytest.importorskip("minari", reason="minari is not installed; its folders are not tested")
     exported(tmp_path, "minari")
     (meta,) = (tmp_path / "out").rglob("metadata.json")
-    told = json.loads(meta.read_text())
-    for copies, about in (('{"mine.yaml": "name: 3"}', told["swamp_rl"]), (told["swamp_rl_copies"], "{}")):
-        meta.write_text(json.dumps({**told, "swamp_rl_copies": copies, "swamp_rl": about}))
+    data = json.loads(meta.read_text())
+    for copies, about in (('{"mine.yaml": "name: 3"}', data["swamp_rl"]), (data["swamp_rl_copies"], "{}")):
+        meta.write_text(json.dumps({**data, "swamp_rl_copies": copies, "swamp_rl": about}))
         with pytest.raises(UserError, match="its boat cannot be read") as refused:
             read_records(tmp_path / "out")
         assert "\n" not in str(refused.value)
@@ -69,19 +69,19 @@ def test_a_plain_folder_needs_no_boat(folder: Path) -> None:
 
 
 def test_the_verb_prints_findings_or_json_and_its_status_tells(call: Call, folder: Path) -> None:
-    code, said, _ = call("runs", "doctor", folder)
-    assert code == 0 and "0 faults" in said
+    code, message, _ = call("runs", "doctor", folder)
+    assert code == 0 and "0 faults" in message
     (folder / "dataset.yaml").unlink()
     table = (folder / "one.csv").read_text().splitlines()
     table[5] = table[4]
     (folder / "one.csv").write_text("\n".join(table) + "\n")
-    code, said, _ = call("runs", "doctor", folder, "--json")
-    told = json.loads(said)
-    assert code == 1 and "time_repeated" in [finding["code"] for finding in told["findings"]]
-    assert told["findings"][0]["runs"] == ["one"]
+    code, message, _ = call("runs", "doctor", folder, "--json")
+    data = json.loads(message)
+    assert code == 1 and "time_repeated" in [finding["code"] for finding in data["findings"]]
+    assert data["findings"][0]["runs"] == ["one"]
 
 
-def test_a_table_without_rows_is_told_and_an_empty_time_leaves_the_findings_valid_json(
+def test_a_table_without_rows_is_reported_and_an_empty_time_leaves_the_findings_valid_json(
     call: Call, folder: Path
 ) -> None:
     (folder / "dataset.yaml").unlink()
@@ -89,11 +89,11 @@ def test_a_table_without_rows_is_told_and_an_empty_time_leaves_the_findings_vali
     (folder / "none.csv").write_text(lines[0] + "\n")
     lines[5] = lines[5][lines[5].index(",") :]
     (folder / "one.csv").write_text("\n".join(lines) + "\n")
-    code, said, _ = call("runs", "doctor", folder, "--json")
-    told = json.loads(said)
+    code, message, _ = call("runs", "doctor", folder, "--json")
+    data = json.loads(message)
     assert code == 1
-    assert "time_jump" in [finding["code"] for finding in told["findings"]]
-    assert any(line.startswith("none.csv: holds no rows") for line in told["format_faults"])
+    assert "time_jump" in [finding["code"] for finding in data["findings"]]
+    assert any(line.startswith("none.csv: holds no rows") for line in data["format_faults"])
 
 
 @pytest.mark.parametrize("cell", ["", "left"])
@@ -101,21 +101,21 @@ def test_a_command_without_a_number_is_not_examined(call: Call, tmp_path: Path, 
     rows = [f"{0.1 * i:.1f},{0.1 * i:.1f},0,0,{cell},{0.01 * i:.2f}" for i in range(50)]
     text = "\n".join(["time,north,east,heading,throttle_port,throttle_starboard", *rows])
     (tmp_path / "run.csv").write_text(text + "\n")
-    code, said, _ = call("runs", "doctor", tmp_path)
-    assert code == 1 and "column throttle_port: " in said and "Traceback" not in said
+    code, message, _ = call("runs", "doctor", tmp_path)
+    assert code == 1 and "column throttle_port: " in message and "Traceback" not in message
 
 
-def test_a_table_without_times_is_told_and_left_out(call: Call, folder: Path) -> None:
+def test_a_table_without_times_is_reported_and_left_out(call: Call, folder: Path) -> None:
     (folder / "dataset.yaml").unlink()
     (folder / "two.csv").write_text("north,east\n" + "1,2\n" * 50)
-    code, said, _ = call("runs", "doctor", folder)
-    assert code == 1 and "two.csv: has no column time" in said
+    code, message, _ = call("runs", "doctor", folder)
+    assert code == 1 and "two.csv: has no column time" in message
     for path in set(folder.iterdir()) - {folder / "two.csv"}:
         path.unlink()
     assert_complains(call("runs", "doctor", folder), "two.csv: has no column time")
 
 
-def test_rows_of_no_episode_are_told_and_left_out(tmp_path: Path) -> None:
+def test_rows_of_no_episode_are_reported_and_left_out(tmp_path: Path) -> None:
     for name in ("meta", "data"):
         (tmp_path / name).mkdir()
     (tmp_path / "meta" / "info.json").write_text('{"fps": 10, "features": {}}')
@@ -132,7 +132,7 @@ def test_what_is_no_folder_of_runs_is_one_line(call: Call, tmp_path: Path) -> No
     assert_complains(call("runs", "doctor", tmp_path / "nowhere"), "no such folder")
 
 
-def test_a_lerobot_folder_without_its_data_is_told_as_such_and_not_imported(
+def test_a_lerobot_folder_without_its_data_is_reported_as_such_and_not_imported(
     call: Call, tmp_path: Path
 ) -> None:
     (tmp_path / "arm" / "meta").mkdir(parents=True)
@@ -145,9 +145,9 @@ def test_a_lerobot_folder_without_its_data_is_told_as_such_and_not_imported(
 def test_a_folder_of_something_else_than_boats_is_a_fault_and_not_sound(call: Call, tmp_path: Path) -> None:
     rows = "".join(f"{0.1 * i:.1f},{i},{i % 7}\n" for i in range(60))
     (tmp_path / "cart.csv").write_text("time,angle,action\n" + rows)
-    code, said, _ = call("runs", "doctor", tmp_path)
+    code, message, _ = call("runs", "doctor", tmp_path)
     assert code == 1
-    assert "columns_missing: north, east, heading: in no run, which have time, angle, action" in said
+    assert "columns_missing: north, east, heading: in no run, which have time, angle, action" in message
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", '{"features": 3, "fps": "x"}'])
@@ -156,9 +156,9 @@ def test_a_damaged_lerobot_folder_is_one_line(tmp_path: Path, text: str) -> None
     (tmp_path / "data").mkdir()
     (tmp_path / "meta" / "info.json").write_text(text)
     (tmp_path / "data" / "file.parquet").write_bytes(b"PAR1 not at all")
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         read_records(tmp_path)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize("name", ["one.csv", "meta/info.json", "data/main_data.hdf5"])

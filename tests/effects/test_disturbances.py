@@ -163,7 +163,7 @@ def test_disturbances_come_on_top_of_the_boats_own_effects(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    ("entry", "told"),
+    ("entry", "text"),
     [
         ({"effect": "current", "disk": 0.3}, "unknown key 'disk'; did you mean 'disc'?"),
         ({"effect": "wind", "disc": 0.3}, "unknown key 'disc'"),
@@ -207,14 +207,14 @@ def test_disturbances_come_on_top_of_the_boats_own_effects(tmp_path: Path) -> No
         (3, "must be a mapping with the key effect"),
     ],
 )
-def test_a_wrong_entry_is_refused_with_its_place_and_what_is_allowed(entry: Any, told: str) -> None:
+def test_a_wrong_entry_is_refused_with_its_place_and_what_is_allowed(entry: Any, text: str) -> None:
     message = refused([{"effect": "mass", "mass": 50}, entry])
     assert message.startswith("disturbances: effects[1]")
-    assert told in message
+    assert text in message
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "output"),
     [
         ("efects: []", "unknown key 'efects'; did you mean 'effects'?"),
         ("effects: {effect: current}", "effects must be a list"),
@@ -228,12 +228,12 @@ def test_a_wrong_entry_is_refused_with_its_place_and_what_is_allowed(entry: Any,
         ("start: {north: x}", "start.north [m]: must be a number"),
     ],
 )
-def test_a_wrong_level_file_is_refused_by_file_and_key(tmp_path: Path, text: str, told: str) -> None:
+def test_a_wrong_level_file_is_refused_by_file_and_key(tmp_path: Path, text: str, output: str) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(text)
     message = refused(path)
     assert message.startswith(str(path))
-    assert told in message
+    assert output in message
 
 
 def test_a_level_that_does_not_exist_is_answered_with_those_that_do() -> None:
@@ -241,7 +241,7 @@ def test_a_level_that_does_not_exist_is_answered_with_those_that_do() -> None:
     assert "did you mean 'standard'?" in message
 
 
-def test_a_file_that_is_a_list_of_effects_is_told_its_key(tmp_path: Path) -> None:
+def test_a_file_that_is_a_list_of_effects_is_reported_its_key(tmp_path: Path) -> None:
     (tmp_path / "mine.yaml").write_text("- {effect: wind, speed: 1.0}\n")
     with pytest.raises(UserError, match=r"holds a list; .*its effects a list below the key effects"):
         load_disturbances(tmp_path / "mine.yaml", ())

@@ -177,7 +177,7 @@ def test_a_parameter_left_out_takes_its_neutral_value() -> None:
 
 
 @pytest.mark.parametrize(
-    ("entry", "told"),
+    ("entry", "text"),
     [
         ("current", "must be a mapping with the key effect"),
         ({"north": 0.1}, "must be a mapping with the key effect"),
@@ -209,11 +209,11 @@ def test_a_parameter_left_out_takes_its_neutral_value() -> None:
         ({"effect": "command_delay", "delay": 2.5}, "at most 2 [s]"),
     ],
 )
-def test_a_wrong_entry_is_refused_with_its_place_and_what_is_known(entry: Any, told: str) -> None:
+def test_a_wrong_entry_is_refused_with_its_place_and_what_is_known(entry: Any, text: str) -> None:
     good = {"effect": "current", "north": 0.1}
     message = refused(good, entry)
     assert message.startswith("boat.yaml: effects[1]")
-    assert told in message
+    assert text in message
 
 
 def test_the_shallowest_water_of_the_tank_tests_is_still_allowed() -> None:

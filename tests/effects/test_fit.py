@@ -59,7 +59,7 @@ def test_a_level_that_names_no_boat_is_refused_where_a_thruster_is_lacking(tmp_p
 
 
 @pytest.mark.parametrize(
-    ("boat", "told"),
+    ("boat", "message"),
     [
         ("swamp", "boat must be {length"),
         ("{length: 1.2}", "boat must be {length"),
@@ -68,8 +68,8 @@ def test_a_level_that_names_no_boat_is_refused_where_a_thruster_is_lacking(tmp_p
         ("{length: 1, speed: 1, mass: 1e300}", r"boat.mass must be 0.001 to 1e\+09, not 1e\+300"),
     ],
 )
-def test_a_boat_that_is_no_size_is_refused(tmp_path: Path, boat: str, told: str) -> None:
+def test_a_boat_that_is_no_size_is_refused(tmp_path: Path, boat: str, message: str) -> None:
     path = tmp_path / "own.yaml"
     path.write_text(f"boat: {boat}\n")
-    with pytest.raises(UserError, match=rf"own\.yaml: {told}"):
+    with pytest.raises(UserError, match=rf"own\.yaml: {message}"):
         load_disturbances(path, NAMES, SWAMP)

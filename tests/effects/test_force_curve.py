@@ -147,7 +147,7 @@ def test_a_boat_file_with_a_curve_stands_alone_and_has_a_digest_of_its_own(tmp_p
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "text"),
     [
         ({"component": "surg"}, "unknown component 'surg'; did you mean 'surge'?"),
         ({"component": None}, "unknown component null"),
@@ -168,10 +168,10 @@ def test_a_boat_file_with_a_curve_stands_alone_and_has_a_digest_of_its_own(tmp_p
         ({"knot": [1.0]}, "unknown key 'knot'; did you mean 'knots'?"),
     ],
 )
-def test_a_wrong_curve_is_refused_with_what_is_known(change: dict[str, Any], told: str) -> None:
+def test_a_wrong_curve_is_refused_with_what_is_known(change: dict[str, Any], text: str) -> None:
     message = refused({**STEADY, **change})
     assert message.startswith("boat.yaml: effects[0]")
-    assert told in message
+    assert text in message
 
 
 def test_formulas_fit_the_unit_of_their_variable() -> None:

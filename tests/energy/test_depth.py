@@ -46,8 +46,8 @@ def test_a_boat_that_squats_onto_the_ground_ends_its_mission_there(light: Boat, 
     assert clearance(light, before, 0.14) > 0.0  # it floated a step before
     assert summary(flight)["outcome"] == "aground" and "aground after" in lines(flight)[-1]
     write_mission(tmp_path / "out", flight)
-    told = json.loads((tmp_path / "out/mission.json").read_text())
-    assert told["aground"]["depth"] == 0.14 and told["outcome"] == "aground"
+    data = json.loads((tmp_path / "out/mission.json").read_text())
+    assert data["aground"]["depth"] == 0.14 and data["outcome"] == "aground"
 
 
 def test_shallow_legs_take_more_energy_and_the_load_decides_where_ground_is_touched(light: Boat) -> None:
@@ -62,14 +62,14 @@ def test_shallow_legs_take_more_energy_and_the_load_decides_where_ground_is_touc
 
 
 @pytest.mark.parametrize(
-    ("leg", "told"),
+    ("leg", "message"),
     [
         ({"speed": 0.5, "depth": 0.15}, "legs.0.depth: 0.15 m is 1.3 draughts"),
         ({"speed": 0.5, "depth": 0.1}, "it lies aground"),
         ({"speed": 1.3, "depth": 0.15}, "above the critical speed 1.21 m/s"),
     ],
 )
-def test_a_depth_without_an_answer_is_refused(light: Boat, leg: dict[str, float], told: str) -> None:
+def test_a_depth_without_an_answer_is_refused(light: Boat, leg: dict[str, float], message: str) -> None:
     with pytest.raises(UserError, match=r"m\.yaml: legs\.0") as refused:
         fly(light, mission(leg), "m.yaml")
-    assert told in str(refused.value)
+    assert message in str(refused.value)

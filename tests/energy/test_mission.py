@@ -117,10 +117,10 @@ def test_more_than_the_battery_is_refused_with_the_place_where_it_ends(swamp: Bo
     )
     with pytest.raises(UserError) as refused:
         fly(swamp, asked, "mine.yaml")
-    told = str(refused.value)
-    assert told.startswith("mine.yaml: the mission needs more than the battery of boat swamp")
-    assert "state of charge 0.1 after" in told
-    assert "in legs.1" in told
+    message = str(refused.value)
+    assert message.startswith("mine.yaml: the mission needs more than the battery of boat swamp")
+    assert "state of charge 0.1 after" in message
+    assert "in legs.1" in message
     flight = fly(swamp, asked, "mine.yaml", even_if_empty=True)
     assert flight.emptied is None
     assert 0.0 < flight.packs.charge[-1].min() < 0.1
@@ -136,18 +136,18 @@ def test_a_flight_even_if_empty_ends_where_a_pack_is_empty(swamp: Boat) -> None:
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ({"legs": [{"speed": 1.5, "duration_s": 60.0}]}, "legs.0.speed: 1.5 m/s is above 1.39 m/s"),
         ({"charge": 0.05}, "must be above the reserve of 0.1"),
     ],
 )
 def test_what_the_boat_cannot_do_is_refused_before_it_is_flown(
-    swamp: Boat, keys: dict[str, object], told: str
+    swamp: Boat, keys: dict[str, object], message: str
 ) -> None:
     with pytest.raises(UserError, match=r"^mine\.yaml: ") as refused:
         fly(swamp, mission(**keys), "mine.yaml")
-    assert told in str(refused.value)
+    assert message in str(refused.value)
 
 
 def test_a_speed_that_a_current_prevents_is_refused(tmp_path: Path) -> None:
@@ -165,7 +165,7 @@ def test_a_current_above_the_packs_peak_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("legs: []", "legs"),
         ("legs: [{speed: 1.0}]", "give either duration_s or waypoints"),
@@ -179,10 +179,10 @@ def test_a_current_above_the_packs_peak_is_refused(tmp_path: Path) -> None:
         ("legs: [{speed: 1.0, duration_s: 5.0}]\nreserve: 1.0", "reserve"),
     ],
 )
-def test_a_malformed_mission_is_refused_by_its_key(tmp_path: Path, text: str, told: str) -> None:
+def test_a_malformed_mission_is_refused_by_its_key(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "mine.yaml"
     path.write_text(f"name: mine\nboat: swamp\n{text}\n")
     with pytest.raises(UserError) as refused:
         load_mission(path)
-    assert told in str(refused.value)
+    assert message in str(refused.value)
     assert "mine.yaml" in str(refused.value)

@@ -83,7 +83,7 @@ def test_power_leaves_the_digest_of_a_ship_as_it_is() -> None:
 
 
 @pytest.mark.parametrize(
-    ("power", "told"),
+    ("power", "message"),
     [
         ({"throttle": [0.0, 1.0], "power": [1.0]}, "power.power: must have 2 or more entries"),
         ({"throttle": [0.1, 1.0], "power": [1.0, 40.0]}, "throttle must increase from 0 to 1"),
@@ -91,10 +91,10 @@ def test_power_leaves_the_digest_of_a_ship_as_it_is() -> None:
         ({"throttle": [0.0, 1.0], "power": [1.0, 1e6]}, "power / thrust at full throttle"),
     ],
 )
-def test_a_wrong_power_is_refused_with_its_key(power: dict[str, Any], told: str) -> None:
+def test_a_wrong_power_is_refused_with_its_key(power: dict[str, Any], message: str) -> None:
     with pytest.raises(UserError, match="swamp") as refused:
         swamp_with(power)
-    assert told in str(refused.value)
+    assert message in str(refused.value)
 
 
 def test_power_by_torque_without_a_torque_coefficient_is_refused() -> None:

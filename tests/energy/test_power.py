@@ -76,7 +76,7 @@ def test_battery_and_power_leave_the_digest_of_a_boat_as_it_is(tmp_path: Path, s
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "message"),
     [
         ("voltage_empty: 41.0", "voltage_empty must not be above voltage_full"),
         ("current_continuous: 16.0", "current_continuous must not be above current_peak"),
@@ -86,9 +86,9 @@ def test_battery_and_power_leave_the_digest_of_a_boat_as_it_is(tmp_path: Path, s
         ("volts: 12.0", "battery.volts"),
     ],
 )
-def test_a_battery_that_cannot_be_is_refused_by_its_key(tmp_path: Path, line: str, told: str) -> None:
+def test_a_battery_that_cannot_be_is_refused_by_its_key(tmp_path: Path, line: str, message: str) -> None:
     (tmp_path / "mine.yaml").write_text(f"extends: swamp\nbattery: {{{line}}}\n")
     with pytest.raises(UserError) as refused:
         load_boat(tmp_path / "mine.yaml")
-    assert told in str(refused.value)
+    assert message in str(refused.value)
     assert "mine.yaml" in str(refused.value)

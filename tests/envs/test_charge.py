@@ -135,13 +135,13 @@ def test_a_boat_without_a_battery_is_refused(task: dict[str, Any]) -> None:
 
 
 def test_a_low_battery_is_refused_where_no_charge_is_counted(tmp_path: Path) -> None:
-    told = "low_battery acts in the episodes of an environment alone"
+    message = "low_battery acts in the episodes of an environment alone"
     file = tmp_path / "flat.yaml"
     file.write_text("extends: swamp\nname: flat\neffects: [{effect: low_battery, charge: 0.1}]\n")
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         load_boat(file)
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         in_sea(SWAMP, low(0.1), [], 0)
     columns = {name: np.zeros(2) for name in ("time", "north", "east", "heading")}
-    with pytest.raises(UserError, match=f"run r: disturbances: {told}"):
+    with pytest.raises(UserError, match=f"run r: disturbances: {message}"):
         sailed_again(Run("r", columns, RunMeta(disturbances=low(0.1))), SWAMP)

@@ -84,29 +84,29 @@ def test_the_effect_of_a_level_and_the_depth_of_a_course_are_one() -> None:
 def test_a_run_in_shallow_water_is_replayed_from_what_it_tells() -> None:
     boats = GatesVectorEnv(1, depth=BETWEEN, disturbances="standard")
     boats.reset(seed=3)
-    told, start = replayable(boats, 0), boats.fleet.boats["state"].copy()
+    message, start = replayable(boats, 0), boats.fleet.boats["state"].copy()
     commands, track = [], [start[0]]
     for _ in range(20):
         boats.step(np.array([[0.4, 0.3]]))
         commands.append(boats.commands[0].copy())
         track.append(boats.fleet.boats["state"][0].copy())
     params = parameters(SWAMP)
-    effects = parse_effects(told["disturbances"], "run", SWAMP.thruster_names)
+    effects = parse_effects(message["disturbances"], "run", SWAMP.thruster_names)
     apply_effects(params, effects, SWAMP.thruster_names)
-    seeds = np.array([told["gust_seed"]], np.uint64)
+    seeds = np.array([message["gust_seed"]], np.uint64)
     again = simulate(params, tank(SWAMP), start, np.array([commands]), seeds, 0.1, 1)
     np.testing.assert_array_equal(again[0], track)
-    assert told["water_depth"] == boats.fleet.boats["depth"][0]
+    assert message["water_depth"] == boats.fleet.boats["depth"][0]
 
     poses = np.array(track)[:, :3]
     columns = {"time": 0.1 * np.arange(len(poses))} | dict(
         zip(("north", "east", "heading"), poses.T, strict=True)
     )
-    run = Run("r", columns, RunMeta(**told))
+    run = Run("r", columns, RunMeta(**message))
     course = limited(fitted(load_course("camogli"), SWAMP.length), None, None, BETWEEN)
     anew = same_episode(run, SWAMP, course, 0.1)(2, ("north",))
     anew.reset(seed=9)
-    assert (anew.fleet.boats["depth"] == told["water_depth"]).all()
+    assert (anew.fleet.boats["depth"] == message["water_depth"]).all()
 
 
 def test_a_course_for_another_boat_scales_its_depth() -> None:
@@ -117,7 +117,7 @@ def test_a_course_for_another_boat_scales_its_depth() -> None:
 
 
 @pytest.mark.parametrize(
-    ("task", "told"),
+    ("task", "message"),
     [
         (
             {"depth": 0.14},
@@ -136,6 +136,6 @@ def test_a_course_for_another_boat_scales_its_depth() -> None:
         ),
     ],
 )
-def test_a_depth_that_does_not_fit_is_refused(task: dict[str, Any], told: str) -> None:
-    with pytest.raises(UserError, match=told):
+def test_a_depth_that_does_not_fit_is_refused(task: dict[str, Any], message: str) -> None:
+    with pytest.raises(UserError, match=message):
         GatesEnv(**task)

@@ -92,10 +92,10 @@ def paid(term: str, level: str = "standard") -> np.ndarray:
 
 def test_each_term_counts_what_its_table_says() -> None:
     env = GatesEnv(disturbances="standard")
-    told = driven(env)
-    throttle = told["actions"][:, 0]
-    changes = np.diff(np.vstack([[0.0, 0.0], told["actions"]]), axis=0)
-    assert told["info"]["outcome"] == "success"
+    result = driven(env)
+    throttle = result["actions"][:, 0]
+    changes = np.diff(np.vstack([[0.0, 0.0], result["actions"]]), axis=0)
+    assert result["info"]["outcome"] == "success"
     assert paid("gate").sum() == len(env.fleet.course.gates)
     assert paid("success").sum() == 1.0 and paid("success")[-1] == 1.0
     assert paid("failure").sum() == 0.0
@@ -103,14 +103,14 @@ def test_each_term_counts_what_its_table_says() -> None:
     np.testing.assert_allclose(paid("effort"), -0.1 * throttle**2)
     np.testing.assert_allclose(paid("change"), -(changes**2).sum(axis=1) / 0.1, rtol=1e-9)
     everything = sum(DEFAULTS[term] * paid(term) for term in DEFAULTS if DEFAULTS[term])
-    np.testing.assert_allclose(told["rewards"], everything, atol=1e-12)
+    np.testing.assert_allclose(result["rewards"], everything, atol=1e-12)
 
 
 def test_the_distance_from_the_gates_middle_line_is_a_cost() -> None:
-    told = driven(GatesEnv(disturbances="calm"))
-    seen = {name: told["seen"][1:, i] for i, name in enumerate(OBSERVATION)}
+    message = driven(GatesEnv(disturbances="calm"))
+    seen = {name: message["seen"][1:, i] for i, name in enumerate(OBSERVATION)}
     gates = {0: 0.0, 1: 8.0}  # east of the middle, both headed north
-    before = told["seen"][:-1, OBSERVATION.index("gates_passed")]
+    before = message["seen"][:-1, OBSERVATION.index("gates_passed")]
     off = np.abs(seen["east"] - np.array([gates[int(passed)] for passed in before]))
     np.testing.assert_allclose(paid("cross_track", "calm"), -0.1 * off, atol=1e-6)
 
@@ -177,20 +177,20 @@ def test_terms_of_ones_own_are_paid_and_observed_alone_and_in_a_batch() -> None:
     reward = {**NOTHING, named("first_gate"): 5.0, named("way"): -1.0}
     senses = [*OBSERVATION, named("speed"), "wind_ahead"]
     arguments: dict[str, Any] = {"reward": reward, "observation": senses, "disturbances": "standard"}
-    told = driven(env := GatesEnv(**arguments))
+    result = driven(env := GatesEnv(**arguments))
     expected = -paid("progress")
     expected[np.argmax(paid("gate") > 0)] += 5.0
-    np.testing.assert_allclose(told["rewards"], expected, atol=1e-9)
-    surge, sway, speed = (told["seen"][:, i] for i in (4, 5, 12))
+    np.testing.assert_allclose(result["rewards"], expected, atol=1e-9)
+    surge, sway, speed = (result["seen"][:, i] for i in (4, 5, 12))
     np.testing.assert_allclose(speed, np.hypot(surge, sway), rtol=1e-6)
     assert (env.observation_space.low[12], env.observation_space.high[12]) == (0.0, 10.0)
 
     boats = GatesVectorEnv(2, autoreset_mode="SameStep", **arguments)
     boats.reset(seed=0)
-    for t, action in enumerate(told["actions"]):
+    for t, action in enumerate(result["actions"]):
         observation, rewards, *_, info = boats.step(np.array([[0.0, 0.0], action]))
-        assert rewards[1] == told["rewards"][t]
-    np.testing.assert_array_equal(info["final_obs"][1], told["seen"][-1])
+        assert rewards[1] == result["rewards"][t]
+    np.testing.assert_array_equal(info["final_obs"][1], result["seen"][-1])
     assert observation[1, 12] == 0.0  # of the boat that has started anew
 
 
@@ -203,7 +203,7 @@ def test_a_boat_that_is_only_started_anew_is_paid_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         ({"reward": {"gat": 1.0}}, "reward: no term 'gat'; did you mean 'gate'"),
         ({"reward": {"gat": 1.0}}, "progress [1/m]"),
@@ -227,11 +227,11 @@ def test_a_boat_that_is_only_started_anew_is_paid_nothing() -> None:
         ({"rewards": {}}, "unknown argument 'rewards'; did you mean 'reward'"),
     ],
 )
-def test_a_wrong_term_weight_or_limit_is_one_line(arguments: dict[str, Any], told: str) -> None:
+def test_a_wrong_term_weight_or_limit_is_one_line(arguments: dict[str, Any], message: str) -> None:
     for make in (GatesEnv, GatesVectorEnv):
         with pytest.raises(UserError) as error:
             make(**arguments)
-        assert told in str(error.value) and "\n" not in str(error.value)
+        assert message in str(error.value) and "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -245,7 +245,7 @@ def test_the_known_arguments_hold_those_of_the_environment_itself(make: Any, own
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         ({"reward": {named("wide"): 1.0}}, r"wide: gave the shape \(1, 3\) of float64, \(1,\) of numbers"),
         ({"reward": {named("endless"): 1.0}}, "endless: gave inf for a boat"),
@@ -253,8 +253,10 @@ def test_the_known_arguments_hold_those_of_the_environment_itself(make: Any, own
         ({"observation": [named("steered")]}, r"steered: gave 1 to 1, outside of its bounds 0 to 0\.25"),
     ],
 )
-def test_what_a_term_gives_is_looked_at_and_the_term_is_named(arguments: dict[str, Any], told: str) -> None:
+def test_what_a_term_gives_is_looked_at_and_the_term_is_named(
+    arguments: dict[str, Any], message: str
+) -> None:
     env = GatesEnv(**arguments)
     env.reset(seed=0)
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         env.step(np.array([1.0, 1.0]))

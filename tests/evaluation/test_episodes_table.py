@@ -30,7 +30,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def refusal(path: Path, name: str, column: Any) -> str:
-    """What is said of the table with another column, empty where nothing is."""
+    """Message for the table with another column, empty where it is accepted."""
     held = pq.read_table(path)
     pq.write_table(held.set_column(held.column_names.index(name), name, column), path)
     try:
@@ -70,9 +70,11 @@ FITS = {
 @pytest.mark.parametrize("name", FITS)
 def test_a_column_of_another_type_is_refused_by_its_name(name: str, path: Path) -> None:
     for what, column in HOSTILE.items():
-        said = refusal(path, name, column)
-        assert bool(said) == (what not in FITS[name]), (what, said)
-        assert not said or (said.startswith(f"{path}: ") and said.isprintable() and len(said) < 400)
+        message = refusal(path, name, column)
+        assert bool(message) == (what not in FITS[name]), (what, message)
+        assert not message or (
+            message.startswith(f"{path}: ") and message.isprintable() and len(message) < 400
+        )
 
 
 @pytest.mark.parametrize("name", COSTS)

@@ -101,8 +101,8 @@ def test_the_verb_exports_a_stored_pilot_and_says_how_near_and_how_fast_it_is(
 ) -> None:
     save_pilot(pilots()["ppo"], tmp_path / "ppo")
     export(tmp_path / "ppo", tmp_path / "pilot.onnx")
-    said = capsys.readouterr().out
-    assert "greatest difference" in said and "µs" in said
+    message = capsys.readouterr().out
+    assert "greatest difference" in message and "µs" in message
     known = {entry.key: entry.value for entry in onnx.load(tmp_path / "pilot.onnx").metadata_props}
     assert known["weights_sha256"] == describe_pilot(tmp_path / "ppo").weights.sha256
 
@@ -135,7 +135,7 @@ def test_a_file_that_is_no_exported_pilot_is_refused(tmp_path: Path) -> None:
 
 
 def changed(path: Path, change: Callable[[onnx.ModelProto], None]) -> str:
-    """What is said of a file whose model was changed and sealed again, and of its step; empty for nothing."""
+    """Message for a file whose model was changed and sealed again, and for its step; empty if accepted."""
     write_onnx(gru(np.random.default_rng(0), 4), path)
     model = onnx.load(path)
     change(model)
@@ -186,7 +186,7 @@ def without_numbers(model: onnx.ModelProto) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         (lambda model: None, ""),
         (without_output("levers"), "is not the step of a pilot"),
@@ -203,10 +203,10 @@ def without_numbers(model: onnx.ModelProto) -> None:
 )
 def test_a_changed_model_is_refused_in_one_line_and_the_runtime_says_nothing(
     change: Callable[[onnx.ModelProto], None],
-    told: str,
+    message: str,
     tmp_path: Path,
     capfd: pytest.CaptureFixture[str],
 ) -> None:
-    said = changed(tmp_path / "pilot.onnx", change)
-    assert told in said and bool(told) == bool(said) and said.isprintable()
+    output = changed(tmp_path / "pilot.onnx", change)
+    assert message in output and bool(message) == bool(output) and output.isprintable()
     assert capfd.readouterr() == ("", "")

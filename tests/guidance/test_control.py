@@ -64,7 +64,7 @@ def test_the_integral_does_not_wind_up_while_nothing_is_achieved() -> None:
 
 
 def test_the_memory_settles_where_the_closed_form_says() -> None:
-    """A point at speed U that heads as told, in a current c across: across' = U sin(heading) + c."""
+    """A point at speed U of given heading, in a current c across: across' = U sin(heading) + c."""
     U, c, dt = 0.7, 0.2, 0.02
     north, east, memory = 0.0, -3.0, 0.0
     for _ in range(20_000):

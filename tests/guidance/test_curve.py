@@ -56,7 +56,7 @@ def test_the_error_is_positive_to_starboard_and_the_branch_is_that_of_the_progre
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ("pieces: []", "pieces"),
         ("pieces: [{kind: arc, radius: 0.0, turn_deg: 90.0}]", "radius"),
@@ -67,12 +67,12 @@ def test_the_error_is_positive_to_starboard_and_the_branch_is_that_of_the_progre
         ("pieces: [{kind: lin, to: [1.0, 0.0]}]", "kind"),
     ],
 )
-def test_what_is_no_path_is_refused_by_its_key(tmp_path: Path, keys: str, told: str) -> None:
+def test_what_is_no_path_is_refused_by_its_key(tmp_path: Path, keys: str, message: str) -> None:
     file = tmp_path / "p.yaml"
     file.write_text(f"name: p\nspeed: 1.0\n{keys}\n")
     with pytest.raises(UserError, match=r"p\.yaml") as refused:
         load_path(file)
-    assert told in str(refused.value)
+    assert message in str(refused.value)
 
 
 def test_a_few_words_do_not_make_a_curve_of_millions_of_places() -> None:

@@ -220,18 +220,18 @@ def test_the_verbs_run_on_a_folder(
         "elementary": elementary,
         "thrust-deduction": elementary,
     }
-    said = {}
+    entries = {}
     for verb, folder in folders.items():
         monkeypatch.setattr(sys, "argv", ["swamp-rl", "identify", verb, str(folder)])
         with pytest.raises(SystemExit) as stop:
             cli.main()
         assert stop.value.code == 0
-        said[verb] = capsys.readouterr().out
-    assert all(f"{name} " in said["yaw-model"] for name in ("k_r", "c_ru", "c_rv", "b_r"))
-    assert "throttles from" in said["yaw-model"]
-    assert "boat file 11.82" in said["elementary"]
-    assert re.search(r"boat file \d+\.?\d* at \d\.\d\d m/s", said["elementary"])
-    assert said["thrust-deduction"].count("95 %") == 2
+        entries[verb] = capsys.readouterr().out
+    assert all(f"{name} " in entries["yaw-model"] for name in ("k_r", "c_ru", "c_rv", "b_r"))
+    assert "throttles from" in entries["yaw-model"]
+    assert "boat file 11.82" in entries["elementary"]
+    assert re.search(r"boat file \d+\.?\d* at \d\.\d\d m/s", entries["elementary"])
+    assert entries["thrust-deduction"].count("95 %") == 2
 
 
 def test_a_model_that_never_settles_says_so() -> None:

@@ -61,7 +61,7 @@ def test_noise_that_hides_the_acceleration_is_said_to() -> None:
 
 
 @pytest.mark.parametrize(
-    ("numbers", "said"),
+    ("numbers", "message"),
     [
         ({"surge_force": 1e-300}, "surge: force and drag give"),
         ({"yaw_drag": 1e-9}, "yaw: force and drag give"),
@@ -69,6 +69,6 @@ def test_noise_that_hides_the_acceleration_is_said_to() -> None:
         ({"side": 1000.0, "surge_force": 0.1}, "side: may take"),
     ],
 )
-def test_a_vehicle_that_no_square_ends_with_is_refused(numbers: dict[str, float], said: str) -> None:
-    with pytest.raises(ValueError, match=said):
+def test_a_vehicle_that_no_square_ends_with_is_refused(numbers: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         Vehicle.model_validate(TYPHOON.model_dump() | numbers)

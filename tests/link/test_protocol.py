@@ -159,7 +159,7 @@ def test_a_flood_is_ignored_beyond_a_thousand_datagrams_a_second() -> None:
     assert not vehicle.modules[0].power[0]
 
 
-def test_telemetry_goes_where_the_programs_are_told() -> None:
+def test_telemetry_goes_where_the_programs_are_reported() -> None:
     vehicle = vehicle_of()
     sensors, module = vehicle.addresses.sensors[0], vehicle.addresses.modules[1]
     here = vehicle.addresses.recipient

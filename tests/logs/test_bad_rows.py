@@ -54,14 +54,14 @@ def with_an_empty_cell(folder: Path, column: str, row: int) -> Path:
 
 
 @pytest.mark.parametrize("name", MAPPINGS)
-def test_a_row_without_a_mapped_quantity_is_told_and_can_be_left_out(
+def test_a_row_without_a_mapped_quantity_is_reported_and_can_be_left_out(
     tmp_path: Path, boat: str, name: str
 ) -> None:
     options, column, ours = MAPPINGS[name]
     log = with_an_empty_cell(tmp_path, column, 101)
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         imported(log, boat, options, Wishes())
-    (line,) = str(told.value).splitlines()
+    (line,) = str(error.value).splitlines()
     assert f"log.csv: row 101 (line 102), column {ours}: is missing; fill it in" in line
     assert f"(there '{column}') (--bad-rows cut or split)" in line
     (longest,) = imported(log, boat, options, Wishes(bad_rows="cut"))
@@ -70,7 +70,7 @@ def test_a_row_without_a_mapped_quantity_is_told_and_can_be_left_out(
     assert [len(run.time) for run in runs] == [100, 200]
 
 
-def test_a_row_without_a_quantity_of_an_enu_frame_is_told_by_the_column_of_the_run(
+def test_a_row_without_a_quantity_of_an_enu_frame_is_reported_by_the_column_of_the_run(
     tmp_path: Path, boat: str
 ) -> None:
     log = with_an_empty_cell(tmp_path, "n", 101)
@@ -114,19 +114,21 @@ def with_place(ours: str) -> list[str]:
 
 
 @pytest.mark.parametrize("ours", MARKED)
-def test_a_mark_of_any_quantity_is_told_and_its_row_cut(tmp_path: Path, boat: str, ours: str) -> None:
+def test_a_mark_of_any_quantity_is_reported_and_its_row_cut(tmp_path: Path, boat: str, ours: str) -> None:
     marked(tmp_path, ours, slice(100, 101))
     options = [option.replace("pos.", "").replace("cmd.", "") for option in with_place(ours)]
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         imported(tmp_path / "both.csv", boat, options, Wishes())
-    (line,) = str(told.value).splitlines()
+    (line,) = str(error.value).splitlines()
     assert f"row 101 (line 102), column {ours}: is missing, marked by -999" in line
     (run,) = imported(tmp_path / "both.csv", boat, options, Wishes(bad_rows="cut"))
     assert len(run.time) == 200
 
 
 @pytest.mark.parametrize("ours", MARKED)
-def test_a_mark_in_a_joined_table_is_told_wherever_it_matters(tmp_path: Path, boat: str, ours: str) -> None:
+def test_a_mark_in_a_joined_table_is_reported_wherever_it_matters(
+    tmp_path: Path, boat: str, ours: str
+) -> None:
     def joined(rows: slice, wishes: Wishes) -> Run:
         reading = Reading(mapping_of(with_place(ours)), join="both")
         out = tmp_path / f"{rows.stop}-{wishes.bad_rows}"
@@ -136,9 +138,11 @@ def test_a_mark_in_a_joined_table_is_told_wherever_it_matters(tmp_path: Path, bo
 
     short = joined(slice(100, 101), Wishes())
     (line,) = (short.meta.model_extra or {})["cells_left_out"]
-    told = rf"csv: row 101 \(line 102\), column {ours}: is missing, marked by -999"
-    assert re.search(told, line) and len(short.time) == 301
-    with pytest.raises(UserError, match=rf"has no value for 1\.1 s \(\w+\.{told}\); --fill SECONDS fills it"):
+    message = rf"csv: row 101 \(line 102\), column {ours}: is missing, marked by -999"
+    assert re.search(message, line) and len(short.time) == 301
+    with pytest.raises(
+        UserError, match=rf"has no value for 1\.1 s \(\w+\.{message}\); --fill SECONDS fills it"
+    ):
         joined(slice(100, 110), Wishes())
     assert len(joined(slice(100, 110), Wishes(bad_rows="cut")).time) == 191
 

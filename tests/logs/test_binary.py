@@ -50,9 +50,9 @@ def test_the_default_mapping_gives_the_run_that_was_logged(tmp_path: Path, name:
     for column in columns + ([] if name == "ulog" else ["yaw_rate"]):
         expected = np.interp(run.time, was["time"], was[column])
         assert run.columns[column] == pytest.approx(expected, abs=0.03), column
-    told = run.meta.model_extra or {}
-    assert "joined" in told
-    assert not any(word in told.get("not_imported", "") for word in ("Time", "stamp"))
+    meta = run.meta.model_extra or {}
+    assert "joined" in meta
+    assert not any(word in meta.get("not_imported", "") for word in ("Time", "stamp"))
 
 
 @pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
@@ -95,12 +95,12 @@ def test_a_given_column_holds_over_the_default(tmp_path: Path) -> None:
     assert "sway" not in run.columns
 
 
-def test_a_misspelt_column_is_told_with_the_name_that_it_is_like(call: Call, tmp_path: Path) -> None:
+def test_a_misspelt_column_is_reported_with_the_name_that_it_is_like(call: Call, tmp_path: Path) -> None:
     log, boat = dataflash(tmp_path / "log.bin", 12.0), written(tmp_path, "twin")
     words = ("runs", "import", log, "--boat", boat, "--map", "wind_sped=GPS.Spd", "--out", "runs")
-    code, said, _ = call(*words)
+    code, message, _ = call(*words)
     assert code == 0
-    assert "unknown columns: wind_sped (did you mean 'wind_speed'?); kept as they are" in said
+    assert "unknown columns: wind_sped (did you mean 'wind_speed'?); kept as they are" in message
 
 
 def test_a_yaw_that_counts_its_turns_is_taken(tmp_path: Path) -> None:
@@ -136,8 +136,8 @@ def test_a_frame_is_that_of_the_given_columns_alone(
 
 def test_a_frame_of_no_given_column_is_refused(call: Call, tmp_path: Path) -> None:
     log = dataflash(tmp_path / "log.bin", 12.0)
-    told = call("runs", "import", log, "--frame", "enu", "--map", "wind_speed=0*GPS.Spd", "--out", "runs")
-    assert_complains(told, "--frame enu: is of columns that --map gives, and none is x, y, yaw, qw")
+    message = call("runs", "import", log, "--frame", "enu", "--map", "wind_speed=0*GPS.Spd", "--out", "runs")
+    assert_complains(message, "--frame enu: is of columns that --map gives, and none is x, y, yaw, qw")
 
 
 def test_the_headers_of_a_simulation_have_a_clock_of_their_own(tmp_path: Path) -> None:
@@ -166,8 +166,8 @@ def test_a_log_without_a_heading_is_one_line_that_names_the_option_to_give(
     call: Call, tmp_path: Path
 ) -> None:
     log = receiver_bag(tmp_path / "log.bag", "boat", topics=("/fix",))
-    told = call("runs", "import", log, "--out", "a")
-    assert_complains(told, "no message gives a valid heading; see --list, and give --map")
+    message = call("runs", "import", log, "--out", "a")
+    assert_complains(message, "no message gives a valid heading; see --list, and give --map")
 
 
 def test_rows_are_taken_at_the_stamps_of_the_positions(tmp_path: Path) -> None:
@@ -263,25 +263,25 @@ def test_a_log_cut_short_is_one_line_or_what_was_whole(tmp_path: Path, name: str
     ("suffix", "what"), [("bin", "DataFlash log"), ("ulg", "ULog file"), ("bag", "ROS bag")]
 )
 @pytest.mark.parametrize("content", [b"", b"another file"])
-def test_a_file_of_another_kind_is_told_by_its_beginning(
+def test_a_file_of_another_kind_is_reported_by_its_beginning(
     call: Call, tmp_path: Path, suffix: str, what: str, content: bytes
 ) -> None:
     (tmp_path / f"log.{suffix}").write_bytes(content)
-    told = call("runs", "import", f"log.{suffix}", "--out", "a")
-    assert_complains(told, "does not begin as one; check its name")
-    assert f"log.{suffix}: is no {what}" in told[2]
+    message = call("runs", "import", f"log.{suffix}", "--out", "a")
+    assert_complains(message, "does not begin as one; check its name")
+    assert f"log.{suffix}: is no {what}" in message[2]
 
 
 @pytest.mark.parametrize(("storage", "repair"), [("ros1", "rosbag reindex"), ("mcap", "mcap recover")])
-def test_a_bag_without_its_end_is_told_with_what_repairs_it(
+def test_a_bag_without_its_end_is_reported_with_what_repairs_it(
     call: Call, tmp_path: Path, storage: str, repair: str
 ) -> None:
     made = bag(tmp_path / "log.bag", storage, 12.0)
     path = made if made.is_file() else next(made.glob("*.mcap")).rename(tmp_path / "log.mcap")
     cut_short(path, 0.5)
-    told = call("runs", "import", path, "--out", "a")
-    assert_complains(told, f"copy it again, or repair it with {repair}")
-    assert "Error:" not in told[2]
+    message = call("runs", "import", path, "--out", "a")
+    assert_complains(message, f"copy it again, or repair it with {repair}")
+    assert "Error:" not in message[2]
 
 
 @pytest.mark.parametrize("name", LOGS)
@@ -313,13 +313,13 @@ def test_a_hostile_description_of_a_bag_reaches_nothing(tmp_path: Path, text: st
     folder = bag(tmp_path / "bag", "sqlite3", 2.0)
     (tmp_path.parent / "secret.db3").write_text("secret")
     (folder / "metadata.yaml").write_text(text)
-    with pytest.raises(UserError, match=part) as told:
+    with pytest.raises(UserError, match=part) as error:
         read_log(folder, "rosbag")
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("keys", "value", "told"),
+    ("keys", "value", "message"),
     [
         (("version",), None, "version: must be a whole number, not null"),
         (("version",), 10, "version: must be at most 9, not 10"),
@@ -332,8 +332,8 @@ def test_a_hostile_description_of_a_bag_reaches_nothing(tmp_path: Path, text: st
         ),
     ],
 )
-def test_a_faulty_description_of_a_bag_is_told_by_its_key(
-    tmp_path: Path, keys: tuple[str | int, ...], value: Any, told: str
+def test_a_faulty_description_of_a_bag_is_reported_by_its_key(
+    tmp_path: Path, keys: tuple[str | int, ...], value: Any, message: str
 ) -> None:
     folder = bag(tmp_path / "bag", "sqlite3", 2.0)
     part: Any = (whole := read_yaml(folder / "metadata.yaml"))
@@ -344,11 +344,11 @@ def test_a_faulty_description_of_a_bag_is_told_by_its_key(
     with pytest.raises(UserError) as error:
         read_log(folder, "rosbag")
     assert str(error.value).startswith(f"{folder / 'metadata.yaml'}: rosbag2_bagfile_information.")
-    assert told in str(error.value) and "\n" not in str(error.value)
+    assert message in str(error.value) and "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize("storage", ["sqlite3", "mcap"])
-def test_damage_in_a_bag_is_told_without_the_words_of_python(tmp_path: Path, storage: str) -> None:
+def test_damage_in_a_bag_is_reported_without_the_words_of_python(tmp_path: Path, storage: str) -> None:
     folder = bag(tmp_path / "bag", storage, 2.0)
     held = next(path for path in folder.iterdir() if path.name != "metadata.yaml")
     held.write_bytes(held.read_bytes().replace(b"/boat/odometry", b"/boat\xffodometry"))
@@ -368,11 +368,11 @@ def test_a_link_in_a_bag_is_refused(tmp_path: Path) -> None:
 
 def test_the_verb_lists_imports_and_refuses(call: Call, tmp_path: Path) -> None:
     log = dataflash(tmp_path / "log.bin", 12.0)
-    code, said, _ = call("runs", "import", log, "--from", "dataflash", "--list")
-    assert code == 0 and "  GPS.Lat: " in said
+    code, message, _ = call("runs", "import", log, "--from", "dataflash", "--list")
+    assert code == 0 and "  GPS.Lat: " in message
     boat = written(tmp_path, "twin")
-    code, said, _ = call("runs", "import", log, "--from", "dataflash", "--boat", boat, "--out", "runs")
-    assert code == 0 and "joined: GPS 5 Hz" in said and "1 run, 61 rows at 5 Hz" in said
+    code, message, _ = call("runs", "import", log, "--from", "dataflash", "--boat", boat, "--out", "runs")
+    assert code == 0 and "joined: GPS 5 Hz" in message and "1 run, 61 rows at 5 Hz" in message
     (tmp_path / "other.bin").write_bytes(b"no log")
     for words, part in (
         (["other.bin", "--out", "a"], "is no DataFlash log"),
@@ -392,7 +392,7 @@ def test_the_verb_knows_the_folder_of_a_bag_and_says_which_commands_are_missing(
     call: Call, tmp_path: Path
 ) -> None:
     folder = bag(tmp_path / "day 1", "mcap", 12.0)
-    code, said, _ = call("runs", "import", folder, "--out", "runs")
-    assert code == 0 and "commands: missing: azimuth_" in said and "--map azimuth_" in said
-    code, said, _ = call("runs", "import", folder, "--boat", written(tmp_path, "twin"), "--out", "twin")
-    assert code == 0 and "commands: missing" not in said
+    code, message, _ = call("runs", "import", folder, "--out", "runs")
+    assert code == 0 and "commands: missing: azimuth_" in message and "--map azimuth_" in message
+    code, message, _ = call("runs", "import", folder, "--boat", written(tmp_path, "twin"), "--out", "twin")
+    assert code == 0 and "commands: missing" not in message

@@ -120,9 +120,9 @@ def test_rates_and_integrals_are_those_of_rows_in_the_order_of_their_times(text:
     ],
 )
 def test_what_is_no_expression_is_refused_in_one_line(text: str) -> None:
-    with pytest.raises(UserError, match="expression") as told:
+    with pytest.raises(UserError, match="expression") as error:
         parsed(text)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
 @given(text=st.text(alphabet="ab01.+-*/()<>=!,`[]_ e9sincwhr\x00é", max_size=60))

@@ -50,9 +50,9 @@ def imported(folder: Path, boat: str, more: list[str], units: dict[str, str], fr
 def test_a_hint_names_an_option_that_a_mapping_takes(
     tmp_path: Path, boat: str, more: list[str], part: str
 ) -> None:
-    with pytest.raises(UserError, match=part) as told:
+    with pytest.raises(UserError, match=part) as error:
         imported(tmp_path, boat, more, {})
-    assert "--column" not in str(told.value) and "--drop" not in str(told.value)
+    assert "--column" not in str(error.value) and "--drop" not in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -68,7 +68,7 @@ def test_a_unit_of_what_a_quantity_becomes_is_refused_with_its_name(
         imported(tmp_path, boat, ["u=speed"], {given: "kn"}, frame)
 
 
-def test_a_unit_is_kept_with_the_run_and_a_wrong_one_is_told_by_the_right_one(
+def test_a_unit_is_kept_with_the_run_and_a_wrong_one_is_reported_by_the_right_one(
     tmp_path: Path, boat: str
 ) -> None:
     run = imported(tmp_path, boat, ["u=3.6*speed"], {"u": "kn"})

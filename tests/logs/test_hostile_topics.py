@@ -1,5 +1,5 @@
-"""Bags and MCAP files with any names of topics, fields and types: told in lines that no terminal acts on, and
-nothing written but the new dataset."""
+"""Bags and MCAP files with any names of topics, fields and types: reported in lines that no terminal acts on,
+and nothing written but the new dataset."""
 
 import json
 import sqlite3
@@ -29,7 +29,7 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 
 def imported(call: Call, path: Path, *words: str) -> None:
-    """List and import a file: what is told is harmless, a complaint one line, and nothing is written but a
+    """List and import a file: the message is harmless, a complaint one line, and nothing is written but a
     dataset that can be read again."""
     before = around(Path.cwd())
     for more in (("--list",), ("--out", "out")):

@@ -62,12 +62,12 @@ def test_a_command_of_two_tables_is_mixed_from_the_columns_of_a_dataset(tmp_path
     assert run.columns["throttle_port"] == pytest.approx(0.25 + 0.05 * np.sin(TIME), abs=1e-3)
 
 
-def test_a_run_ends_where_commands_sent_at_a_rate_end_and_it_is_told(tmp_path: Path) -> None:
+def test_a_run_ends_where_commands_sent_at_a_rate_end_and_it_is_reported(tmp_path: Path) -> None:
     tables = {"pos": poses(), "cmd": throttle(TIME[20:100])}
     run = joined(tmp_path, tables, COMMANDS)
     assert run.duration == pytest.approx(9.9 + 0.5 - 2.0)
-    told = (run.meta.model_extra or {})["joined"]
-    assert "the first 2 s left out, without messages of cmd; the last 19.5 s left out" in told
+    meta = (run.meta.model_extra or {})["joined"]
+    assert "the first 2 s left out, without messages of cmd; the last 19.5 s left out" in meta
 
 
 def test_a_pause_of_commands_sent_at_a_rate_is_a_bad_stretch_and_can_be_filled(tmp_path: Path) -> None:

@@ -50,14 +50,14 @@ def test_rows_with_an_infinite_condition_are_not_kept(tmp_path: Path) -> None:
     assert [(run.name, len(run.time)) for run in runs] == [("trip-1", 20), ("trip-2", 40)]
 
 
-def test_bad_rows_of_a_stretch_that_is_kept_are_told_by_their_place_in_the_log(tmp_path: Path) -> None:
+def test_bad_rows_of_a_stretch_that_is_kept_are_reported_by_their_place_in_the_log(tmp_path: Path) -> None:
     trip = log(mode=[str(int(armed)) for armed in ARMED])
     trip["x"][70] = ""
     with pytest.raises(UserError, match=r"trip\.csv: row 71 \(line 72\), column north: is missing"):
         imported(tmp_path, {"trip": trip}, "x=x", "y=y", "yaw=psi", "keep=mode")
 
 
-def test_what_is_told_at_changes_only_keeps_rows_of_another_table(tmp_path: Path) -> None:
+def test_what_is_reported_at_changes_only_keeps_rows_of_another_table(tmp_path: Path) -> None:
     arm = {"t": ["0", "2", "4", "6"], "state": ["0", "1", "0", "1"]}
     runs = imported(
         tmp_path, {"pos": log(), "arm": arm}, "x=pos.x", "y=pos.y", "yaw=pos.psi", "keep=arm.state"

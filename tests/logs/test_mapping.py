@@ -55,9 +55,9 @@ def test_pulse_widths_epochs_and_places_become_a_run(tmp_path: Path, boat: str) 
     path = csv_of(tmp_path / "log.csv", stranger_columns(weaving()))
     (run,) = imported(path, boat, MAP)
     assert_is_the_run(run, ("north", "east", "heading", "throttle_port", "throttle_starboard"))
-    told = run.meta.model_extra or {}
-    assert told["times"] == "ms since 1970, from 2023-11-14T22:13:20.000+00:00"
-    assert told["not_imported"] == "mode"
+    meta = run.meta.model_extra or {}
+    assert meta["times"] == "ms since 1970, from 2023-11-14T22:13:20.000+00:00"
+    assert meta["not_imported"] == "mode"
 
 
 @pytest.mark.parametrize("kind", ["words", "parquet"])
@@ -148,7 +148,7 @@ JOINED = [
 ]
 
 
-def test_tables_are_joined_at_the_rate_of_the_places_and_it_is_told(tmp_path: Path, boat: str) -> None:
+def test_tables_are_joined_at_the_rate_of_the_places_and_it_is_reported(tmp_path: Path, boat: str) -> None:
     (run,) = imported(two_tables(tmp_path), boat, JOINED, join="trip")
     assert run.name == "trip"
     assert_is_the_run(run, ("heading", "throttle_port"))
@@ -191,10 +191,10 @@ def test_each_folder_of_tables_is_a_run_whatever_else_is_in_it(tmp_path: Path, b
         assert_is_the_run(run, ("heading", "throttle_port"))
     (log,) = read_logs(bags[:1], "csv", None, True)
     assert sorted(log.tables) == ["gps", "notes_text", "sensors_front_ahrs", "sensors_rear_ahrs"]
-    assert log.told["not_read"] == "notes_empty (empty)"
+    assert log.metadata["not_read"] == "notes_empty (empty)"
 
 
-def test_what_is_no_folder_of_tables_is_told(tmp_path: Path, boat: str) -> None:
+def test_what_is_no_folder_of_tables_is_reported(tmp_path: Path, boat: str) -> None:
     bag = exported_bag(tmp_path, "first")
     wrong = [IN_FOLDERS[0], *(one.replace("front", "frnt") for one in IN_FOLDERS[1:])]
     with pytest.raises(UserError, match="no table 'sensors_frnt_ahrs'; did you mean 'sensors_front_ahrs'"):
@@ -215,7 +215,7 @@ def test_joined_tables_have_no_more_rows_than_their_messages_can_fill(tmp_path: 
         imported(two_tables(tmp_path), boat, JOINED, Wishes(resample=2e4), join="trip")
 
 
-def test_the_offset_between_two_clocks_is_found_and_told(tmp_path: Path, boat: str) -> None:
+def test_the_offset_between_two_clocks_is_found_and_reported(tmp_path: Path, boat: str) -> None:
     clock = ["turn_rate(gps.course) ~ turn_rate(radians(ahrs.psi))"]
     (run,) = imported(two_tables(tmp_path, shift=1.3), boat, JOINED, join="trip", clock=clock)
     assert_is_the_run(run, ("heading",), 0.02)
@@ -232,16 +232,16 @@ def test_clocks_of_three_tables_are_compared_in_a_chain(tmp_path: Path, boat: st
     to_gps = "turn_rate(gps.course) ~ turn_rate(radians(ahrs.psi))"
     to_ahrs = "turn_rate(radians(ahrs.psi)) ~ imu.turn"
     (run,) = imported(paths, boat, options, join="trip", clock=[to_gps, to_ahrs])
-    told = (run.meta.model_extra or {})["clocks"]
-    assert "ahrs shifted by -1.3" in told and re.search(r"imu shifted by -(3\.0|2\.99)", told)
+    meta = (run.meta.model_extra or {})["clocks"]
+    assert "ahrs shifted by -1.3" in meta and re.search(r"imu shifted by -(3\.0|2\.99)", meta)
     shutil.rmtree(tmp_path / "out")
     with pytest.raises(UserError, match="the clock of ahrs is settled by an earlier --clock"):
         imported(paths, boat, options, join="trip", clock=[to_ahrs, to_gps])
 
 
 def test_a_clock_of_other_quantities_is_refused(tmp_path: Path, boat: str) -> None:
-    for other, told in ("-rate(ahrs.p)*0 + 1", "correlation"), ("ahrs.z", "ahrs has no field 'z'"):
-        with pytest.raises(UserError, match=rf"--clock gps\.n ~ {re.escape(other)}: {told}"):
+    for other, message in ("-rate(ahrs.p)*0 + 1", "correlation"), ("ahrs.z", "ahrs has no field 'z'"):
+        with pytest.raises(UserError, match=rf"--clock gps\.n ~ {re.escape(other)}: {message}"):
             imported(two_tables(tmp_path), boat, JOINED, join="trip", clock=[f"gps.n ~ {other}"])
 
 
@@ -266,9 +266,9 @@ def with_faults(folder: Path) -> Path:
 
 
 def test_all_faults_are_listed_with_what_to_do(tmp_path: Path, boat: str) -> None:
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         imported(with_faults(tmp_path), boat, MAP)
-    lines = str(told.value).splitlines()
+    lines = str(error.value).splitlines()
     assert any(
         "row 51 (line 52), column latitude" in line and "rows 51 to 53: 3 rows" in line for line in lines
     )
@@ -281,9 +281,9 @@ def test_cut_keeps_the_longest_stretch_and_split_all_of_them(tmp_path: Path, boa
     path = with_faults(tmp_path)
     runs = imported(path, boat, MAP, Wishes(bad_rows="split"))
     assert [len(run.time) for run in runs] == [50, 67, 79, 49, 50]
-    told = (runs[0].meta.model_extra or {})["rows_left_out"]
-    assert told[0].startswith("5 of 300 rows left out; kept are rows 1 to 50, 54 to 120, 122 to 200,")
-    assert any("row 251" in line and "0.2 s after the row before" in line for line in told)
+    meta = (runs[0].meta.model_extra or {})["rows_left_out"]
+    assert meta[0].startswith("5 of 300 rows left out; kept are rows 1 to 50, 54 to 120, 122 to 200,")
+    assert any("row 251" in line and "0.2 s after the row before" in line for line in meta)
     shutil.rmtree(tmp_path / "out")
     (longest,) = imported(path, boat, MAP, Wishes(bad_rows="cut"))
     assert longest.name == "log" and longest.duration == pytest.approx(7.8)
@@ -296,9 +296,9 @@ def test_cut_keeps_the_longest_stretch_and_split_all_of_them(tmp_path: Path, boa
 def test_a_unit_mistake_is_not_cut_away(tmp_path: Path, boat: str) -> None:
     path = csv_of(tmp_path / "log.csv", stranger_columns(weaving()))
     options = [*MAP[:3], "heading=compass", *MAP[4:]]
-    with pytest.raises(UserError, match="of the rows are bad, so a unit or the mapping is wrong") as told:
+    with pytest.raises(UserError, match="of the rows are bad, so a unit or the mapping is wrong") as error:
         imported(path, boat, options, Wishes(bad_rows="split"))
-    assert "degrees" in str(told.value) and not (tmp_path / "out").exists()
+    assert "degrees" in str(error.value) and not (tmp_path / "out").exists()
 
 
 def test_times_that_come_again_or_go_back_are_borders(tmp_path: Path, boat: str) -> None:
@@ -334,9 +334,9 @@ def test_a_mapping_that_does_not_fit_is_refused(
     if part is None:
         assert len(imported(path, boat, options, wishes)) == 1
         return
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         imported(path, boat, options, replace(wishes))
-    assert part in str(told.value), str(told.value)
+    assert part in str(error.value), str(error.value)
     assert not (tmp_path / "out").exists()
 
 
@@ -353,9 +353,9 @@ def test_a_mapping_that_does_not_fit_is_refused(
 )
 def test_a_mapping_file_is_checked_by_key(tmp_path: Path, text: str, part: str) -> None:
     (tmp_path / "map.yaml").write_text(text)
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         mapping_of([str(tmp_path / "map.yaml")])
-    assert part in str(told.value)
+    assert part in str(error.value)
 
 
 def test_options_hold_over_a_file(tmp_path: Path, boat: str) -> None:
@@ -380,9 +380,9 @@ def test_a_column_of_a_later_file_has_that_files_unit(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["\x1b[2J.csv", "a\nb.csv", "x" * 230 + ".csv"])
 def test_a_log_whose_name_is_no_plain_one_is_not_imported(tmp_path: Path, boat: str, name: str) -> None:
     path = csv_of(tmp_path / name, stranger_columns(weaving()))
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         imported(path, boat, MAP)
-    assert str(told.value).isprintable() and not (tmp_path / "out").exists()
+    assert str(error.value).isprintable() and not (tmp_path / "out").exists()
 
 
 def test_a_pipe_is_no_log(tmp_path: Path, boat: str) -> None:

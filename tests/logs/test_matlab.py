@@ -80,12 +80,12 @@ def test_files_that_cannot_be_read_are_refused_in_one_line(tmp_path: Path) -> No
     for words, content in refused.items():
         path = tmp_path / "refused.mat"
         path.write_bytes(content)
-        with pytest.raises(UserError) as told:
+        with pytest.raises(UserError) as error:
             read_log(path, "matlab")
-        assert words in str(told.value) and "\n" not in str(told.value)
+        assert words in str(error.value) and "\n" not in str(error.value)
 
 
-def test_a_mark_of_a_missing_value_is_told(tmp_path: Path) -> None:
+def test_a_mark_of_a_missing_value_is_reported(tmp_path: Path) -> None:
     angle = np.degrees(np.mod(weaving()["heading"], 2.0 * np.pi))
     angle[40] = -999.0
     with pytest.raises(UserError, match="row 41, column heading: is missing, marked by -999"):

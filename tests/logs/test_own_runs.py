@@ -38,8 +38,8 @@ def test_columns_that_a_mapping_does_not_name_stay_as_they_are(tmp_path: Path) -
     assert run.columns["throttle_starboard"] == pytest.approx(0.01 * TIME)
     assert run.columns["north"] == pytest.approx(TIME)
     assert run.columns["depth"] == pytest.approx(np.full(100, 3.0))
-    told = run.meta.model_dump()
-    assert (told["velocity_axes"], told["group"]) == ("earth", "lake")
+    meta = run.meta.model_dump()
+    assert (meta["velocity_axes"], meta["group"]) == ("earth", "lake")
 
 
 def test_another_source_of_a_column_takes_its_place(tmp_path: Path) -> None:

@@ -70,12 +70,12 @@ def test_a_date_of_either_order_is_the_one_of_the_table_beside_it(tmp_path: Path
 def test_tables_joined_by_times_in_whole_seconds_are_refused(tmp_path: Path) -> None:
     gps = table(tmp_path / "gps.csv", [f"{int(t)}" for t in TIME], psi=False)
     imu = table(tmp_path / "imu.csv", [f"{t}" for t in TIME], x=False)
-    with pytest.raises(UserError, match="the times of gps repeat: 10 rows have each time") as told:
+    with pytest.raises(UserError, match="the times of gps repeat: 10 rows have each time") as error:
         imported([gps, imu], join="trip")
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
-def test_a_yaw_beyond_a_turn_in_degrees_is_told_by_its_row(tmp_path: Path) -> None:
+def test_a_yaw_beyond_a_turn_in_degrees_is_reported_by_its_row(tmp_path: Path) -> None:
     log = table(tmp_path / "log.csv", [f"{t}" for t in TIME])
     lines = log.read_text().splitlines()
     lines[31] = lines[31].rpartition(",")[0] + ",500"
@@ -230,13 +230,13 @@ def test_cells_that_are_no_number_are_faults_whatever_their_type(tmp_path: Path,
 
 
 @pytest.mark.parametrize("bad_rows", ["refuse", "cut", "split"])
-def test_rows_at_ten_hertz_in_whole_seconds_are_told_and_can_be_counted(
+def test_rows_at_ten_hertz_in_whole_seconds_are_reported_and_can_be_counted(
     tmp_path: Path, bad_rows: BadRows
 ) -> None:
     log = table(tmp_path / "log.csv", [f"{1_780_470_000 + int(t)}" for t in TIME])
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         imported([log], Wishes(bad_rows=bad_rows))
-    (line,) = str(told.value).splitlines()
+    (line,) = str(error.value).splitlines()
     assert (
         "column time: repeats: 10 rows have each time, 1 s apart, as at 10 Hz; give each row its own" in line
     )
@@ -293,7 +293,9 @@ def test_joined_tables_have_one_clock_past_midnight(tmp_path: Path, later: str) 
 
 
 @pytest.mark.parametrize("way", ["column", "mapping"])
-def test_a_row_without_a_time_is_told_with_the_option_that_leaves_it_out(tmp_path: Path, way: str) -> None:
+def test_a_row_without_a_time_is_reported_with_the_option_that_leaves_it_out(
+    tmp_path: Path, way: str
+) -> None:
     stamps = [f"{1_700_000_000_000 + round(1000 * t)}" for t in TIME]
     stamps[30] = "0"
     log = table(tmp_path / "log.csv", stamps)
@@ -301,9 +303,9 @@ def test_a_row_without_a_time_is_told_with_the_option_that_leaves_it_out(tmp_pat
     def made(wishes: Wishes) -> Run:
         return imported([log], wishes) if way == "mapping" else renamed(log, wishes)
 
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         made(Wishes())
-    (line,) = str(told.value).splitlines()
+    (line,) = str(error.value).splitlines()
     assert "row 31 (line 32), column time: is no time; correct it or cut the row" in line
     assert line.endswith("(--bad-rows cut or split); nothing was imported")
     run = made(Wishes(bad_rows="cut"))
@@ -329,6 +331,6 @@ def test_the_unit_of_a_renamed_time_is_asked_for_where_its_rows_lie_far_apart(tm
     assert renamed(log, Wishes(units={"time": "ms"})).time == pytest.approx(TIME)
 
 
-def test_times_in_days_are_told_of_a_mapping_too(tmp_path: Path) -> None:
+def test_times_in_days_are_reported_a_mapping_too(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"as of times in days; give them in s \(--unit time=d\)"):
         imported([table(tmp_path / "log.csv", [f"{45_000 + t / 86_400:.9f}" for t in TIME])])

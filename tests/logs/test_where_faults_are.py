@@ -1,4 +1,4 @@
-"""Faults of a mapping are told with the option or the file that contains them."""
+"""Faults of a mapping name the option or the file that contains them."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from swamp_rl.logs.mapping import mapping_of
 
 
 @pytest.mark.parametrize("function", ["rate", "turn_rate", "integral"])
-def test_a_function_of_time_in_the_times_themselves_is_told_with_the_option_or_the_file(
+def test_a_function_of_time_in_the_times_themselves_is_reported_with_the_option_or_the_file(
     tmp_path: Path, function: str
 ) -> None:
     file = tmp_path / "mapping.yaml"
@@ -18,16 +18,16 @@ def test_a_function_of_time_in_the_times_themselves_is_told_with_the_option_or_t
         (f"gps.time={function}(t)", "--map gps.time"),
         (str(file), f"{file}: columns.gps.time"),
     ):
-        with pytest.raises(UserError, match=rf"{function}\(\) needs the times of the table") as told:
+        with pytest.raises(UserError, match=rf"{function}\(\) needs the times of the table") as error:
             mapping_of([option])
-        assert str(told.value).startswith(f"{where}: expression ")
+        assert str(error.value).startswith(f"{where}: expression ")
 
 
 @pytest.mark.parametrize("pair", ["gps.course ~ (", "gps.course", "gps.course ~ ahrs.psi ~ 1"])
-def test_a_malformed_clock_is_told_with_the_option_or_the_file(tmp_path: Path, pair: str) -> None:
+def test_a_malformed_clock_is_reported_with_the_option_or_the_file(tmp_path: Path, pair: str) -> None:
     file = tmp_path / "mapping.yaml"
     file.write_text(f"columns: {{x: n}}\nclock: ['{pair}']\n")
     for options, clock, where in ([], [pair], f"--clock {pair}: "), ([str(file)], [], f"{file}: clock: "):
-        with pytest.raises(UserError) as told:
+        with pytest.raises(UserError) as error:
             mapping_of(options, clock=clock)
-        assert str(told.value).startswith(where)
+        assert str(error.value).startswith(where)

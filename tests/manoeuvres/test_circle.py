@@ -85,7 +85,7 @@ def test_a_mirrored_circle_has_the_same_figures() -> None:
         assert other.corrected[name].value == pytest.approx(figure.value, abs=1e-6), name
 
 
-def test_less_than_a_turn_is_told_and_gives_the_advance() -> None:
+def test_less_than_a_turn_is_reported_and_gives_the_advance() -> None:
     found = analysed(circle_run(D, 0.0, turns=0.4))
     assert found.figures["advance"].value == pytest.approx(D / 2, abs=0.05)
     assert math.isnan(found.figures["tactical_diameter"].value)
@@ -145,7 +145,7 @@ def test_the_standards_limits_are_applied_to_circles_at_35_degrees_only(
     assert {c.name: c.passed for c in criteria(wide, BOAT.length)} == verdicts
 
 
-def test_a_circle_outside_what_boats_do_is_told_unless_thrusters_turn_farther_than_a_rudder() -> None:
+def test_a_circle_outside_what_boats_do_is_reported_unless_thrusters_turn_farther_than_a_rudder() -> None:
     tight = circle_run(0.6 * BOAT.length, 1.2)
     assert any("drift angle 69 deg, steady diameter 0.60 L" in note for note in analysed(tight).notes)
     assert not any("steady diameter" in note for note in analysed(circle_run(D, BETA)).notes)

@@ -131,8 +131,8 @@ def test_a_pull_out_that_is_still_changing_is_judged_neither_way(tmp_path: Path)
 
 
 # Y'v N'r - N'v (Y'r - m'x - m') < 0 makes the printed model unstable; the demihulls' moment makes up for it.
-@pytest.mark.parametrize(("name", "told"), [("swamp-thesis", "unstable"), ("swamp-light", "stable")])
-def test_spirals_and_pull_outs_tell_whether_a_boat_is_stable_on_its_course(name: str, told: str) -> None:
+@pytest.mark.parametrize(("name", "message"), [("swamp-thesis", "unstable"), ("swamp-light", "stable")])
+def test_spirals_and_pull_outs_tell_whether_a_boat_is_stable_on_its_course(name: str, message: str) -> None:
     boat = load_boat(name)
     kinds = {
         "spiral": {},
@@ -142,7 +142,7 @@ def test_spirals_and_pull_outs_tell_whether_a_boat_is_stable_on_its_course(name:
     for executed in execute(boat, [Trial(kind, 0.9, 20 * DEG, **more) for kind, more in kinds.items()]):
         kind = executed.trial.kind
         result = analyse_run(run_of_trial(executed, boat, kind, 0), boat)
-        assert result.verdicts["course_stability"].startswith(told), (kind, result.verdicts)
+        assert result.verdicts["course_stability"].startswith(message), (kind, result.verdicts)
         assert result.verdicts["bias"].startswith("none"), (kind, result.verdicts)
         assert "-0.00 " not in result.verdicts["bias"]
 
@@ -255,7 +255,7 @@ def test_a_recorded_trial_replays_exactly_and_is_analysed_from_its_commands_alon
         again = replay(boat, run)
         assert np.allclose(again.pose[:, :2], run.pose[:, :2], atol=1e-6)
         bare = type(run)(run.name, run.columns)
-        told, found = analyse_run(run, boat), analyse_run(bare, boat)
-        assert found.kind == told.kind
-        name = "advance" if told.kind == "turning-circle" else "first_overshoot"
-        assert found.figures[name].value == pytest.approx(told.figures[name].value, rel=0.03)
+        result, found = analyse_run(run, boat), analyse_run(bare, boat)
+        assert found.kind == result.kind
+        name = "advance" if result.kind == "turning-circle" else "first_overshoot"
+        assert found.figures[name].value == pytest.approx(result.figures[name].value, rel=0.03)

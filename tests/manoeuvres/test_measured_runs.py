@@ -31,7 +31,7 @@ WRONG_SETTINGS = [
 WRONG_MARKS = [{"number": math.inf}, {"angle": 35.0}, {"time": math.nan}, {"time": "late"}]
 
 
-def turning(yaw_rate: Any, surge: Any = 0.8, **told: Any) -> Run:
+def turning(yaw_rate: Any, surge: Any = 0.8, **result: Any) -> Run:
     """A run with that yaw rate (T,) [rad/s] and surge [m/s], its jets turned by 0.4 rad."""
     rate = np.asarray(yaw_rate, float)
     heading = np.cumsum(rate) * DT
@@ -42,7 +42,7 @@ def turning(yaw_rate: Any, surge: Any = 0.8, **told: Any) -> Run:
         angle, level = thruster.command_columns
         columns[str(angle)] = np.full(len(rate), math.copysign(0.4, thruster.x))
         columns[level] = np.full(len(rate), 0.6)
-    return Run("r", columns, RunMeta.model_validate(told))
+    return Run("r", columns, RunMeta.model_validate(result))
 
 
 def stepped(kind: str, phase: str, angles: np.ndarray, rates: np.ndarray) -> Run:
@@ -112,7 +112,7 @@ def test_a_zig_zag_that_begins_in_a_turn_has_no_initial_turning() -> None:
         (turning([0.2]), r"run r: has 1 row\(s\)"),
         (turning(np.full(600, 0.2), notes="windy"), "run r: notes must be a list, not 'windy'"),
         (turning(np.full(600, 0.2), manoeuvre="spiral", marks=3), "run r: marks must be a list, not 3"),
-        *((turning(np.full(600, 0.2), manoeuvre=told), said) for told, said in WRONG_SETTINGS),
+        *((turning(np.full(600, 0.2), manoeuvre=result), reported) for result, reported in WRONG_SETTINGS),
         *(
             (turning(np.full(600, 0.2), manoeuvre="spiral", marks=[MARK | wrong]), "run r: marks must be")
             for wrong in WRONG_MARKS
@@ -124,7 +124,7 @@ def test_what_is_no_manoeuvre_is_refused_in_one_line(run: Run, message: str) -> 
         analyse_run(run, BOAT)
 
 
-def test_a_told_manoeuvre_whose_phases_no_mark_names_has_no_figures_and_no_pair() -> None:
+def test_a_stated_manoeuvre_whose_phases_no_mark_names_has_no_figures_and_no_pair() -> None:
     run = turning(np.full(600, 0.2), manoeuvre=CIRCLE | {"angle": 0.4}, marks=[MARK | {"phase": "execute"}])
     result = analyse_run(run, BOAT)
     assert result.notes == ["no phase 'turning' among its marks: no figures"]

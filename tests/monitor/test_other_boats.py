@@ -34,7 +34,7 @@ def streamed(boat: Boat, seconds: float, effects: list[dict[str, Any]]) -> Itera
     return stream(seconds, BEGINS, effects, boat=boat, turn=lambda angle: command(Order(angle, 0.6)))
 
 
-def said(boat: Boat, seconds: float, effects: list[dict[str, Any]]) -> list[Notice]:
+def notices(boat: Boat, seconds: float, effects: list[dict[str, Any]]) -> list[Notice]:
     monitor = Monitor(boat)
     return [notice for sample in streamed(boat, seconds, effects) for notice in monitor.feed(sample)]
 
@@ -45,20 +45,22 @@ def test_a_failure_is_named_and_nothing_before_it(
 ) -> None:
     boat = made(tmp_path, given)
     name = boat.thruster_names[0]
-    first = said(boat, BEGINS + 10.0, [{"effect": "thruster_failure", "thruster": name, "time": 0.0}])[0]
+    first = notices(boat, BEGINS + 10.0, [{"effect": "thruster_failure", "thruster": name, "time": 0.0}])[0]
     assert first.cause == f"thruster_failure {name}"
     assert BEGINS <= first.time <= BEGINS + 8.0
 
 
 def test_a_current_that_rises_is_named_on_a_ship(tmp_path: Path) -> None:
-    first = said(made(tmp_path, SHIP), BEGINS + 10.0, [{"effect": "current", "north": 0.3, "east": -0.2}])[0]
+    first = notices(made(tmp_path, SHIP), BEGINS + 10.0, [{"effect": "current", "north": 0.3, "east": -0.2}])[
+        0
+    ]
     assert first.cause == "current"
     assert first.values["north"] > 0.0 > first.values["east"]
 
 
 def test_the_current_of_a_model_ship_has_the_size_of_the_one_that_rose() -> None:
     effect = {"effect": "current", "north": 0.3, "east": -0.2}
-    first = said(load_boat("esso_osaka"), BEGINS + 5.0, [effect])[0]
+    first = notices(load_boat("esso_osaka"), BEGINS + 5.0, [effect])[0]
     assert first.cause == "current"
     assert first.values["north"] == pytest.approx(0.3, abs=0.1)
     assert first.values["east"] == pytest.approx(-0.2, abs=0.1)

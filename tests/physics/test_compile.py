@@ -146,14 +146,16 @@ def test_functions_are_compiled_without_a_cache_on_a_full_disk(
     assert module.cache_folder.__wrapped__() is None
 
 
-def test_compiling_is_told_once_and_only_of_this_package_s_functions(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_compiling_is_reported_once_and_only_of_this_package_s_functions(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     heard: list[str] = []
     monkeypatch.setattr(module, "cache_folder", lambda: None)
     monkeypatch.setattr(module.LOG, "info", lambda line, kept: heard.append(line % kept))
     others, first, second = (module.compiled(f) for f in (lambda x: x + 1, lambda x: x + 1, lambda x: x + 1))
     for function in (first, second):
         function.py_func.__module__ = "swamp_rl.physics.step"
-    monkeypatch.setattr(module._LISTENER, "told", False)
+    monkeypatch.setattr(module._LISTENER, "announced", False)
     others(1)
     assert heard == []
     assert first(1) == second(1) == 2

@@ -281,7 +281,7 @@ def test_at_rest_allocation_sees_what_the_simulator_gives() -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         ({"thrust_quadratic": 12.0}, "has propeller and a thrust curve; set"),
         ({"thrust_table": TABLE}, "has both propeller and thrust_table; give one"),
@@ -291,16 +291,18 @@ def test_at_rest_allocation_sees_what_the_simulator_gives() -> None:
         ({"propeller": {"wash": {"of": "bow", "share": 0.5}}}, "wash.of must name a thruster"),
     ],
 )
-def test_a_wrong_propeller_is_refused_with_its_key(change: dict[str, Any], told: str, tmp_path: Path) -> None:
+def test_a_wrong_propeller_is_refused_with_its_key(
+    change: dict[str, Any], message: str, tmp_path: Path
+) -> None:
     first: dict[str, Any] = {**NO_CURVE, "propeller": screw("linear")}
     given_keys = {**first, **change, "propeller": {**first["propeller"], **change.get("propeller", {})}}
     with pytest.raises(Exception, match="swamp") as refused:
         load_boat("swamp", {"thruster_model": given_keys})
-    assert told in str(refused.value)
+    assert message in str(refused.value)
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "message"),
     [
         ({"speed": [0.5, 1.0, 2.0]}, "hold 0"),
         ({"rows": TABLE["rows"][:2]}, "to 1"),  # type: ignore[index]
@@ -311,8 +313,8 @@ def test_a_wrong_propeller_is_refused_with_its_key(change: dict[str, Any], told:
         ),
     ],
 )
-def test_a_wrong_table_is_refused_with_its_key(change: dict[str, Any], told: str) -> None:
+def test_a_wrong_table_is_refused_with_its_key(change: dict[str, Any], message: str) -> None:
     keys = {**NO_CURVE, "thrust_table": {**TABLE, **change}}
     with pytest.raises(Exception, match="thrust_table") as refused:
         load_boat("swamp", {"thruster_model": keys})
-    assert told in str(refused.value)
+    assert message in str(refused.value)

@@ -1,4 +1,4 @@
-"""A flipped bit of a training's checkpoint is told, and never trained on from in silence."""
+"""A flipped bit of a training's checkpoint is reported, and never trained on from in silence."""
 
 import random
 from collections.abc import Callable

@@ -52,8 +52,8 @@ def test_the_learner_drives_and_the_levers_are_what_the_expert_would_have_done(
     expert.reset(3)
     steps = min(len(run.time) for run in runs) - 1
     for t in range(steps):
-        said = expert.act(observation)
-        np.testing.assert_allclose([run.joypad[t] for run in runs], said)
+        result = expert.act(observation)
+        np.testing.assert_allclose([run.joypad[t] for run in runs], result)
         observation = watched.step(flown.commands[:, t])[0]
     for i, run in enumerate(runs):
         np.testing.assert_allclose(run.pose[:, :2], flown.track(i)[:, :2], atol=1e-9)

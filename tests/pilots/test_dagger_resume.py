@@ -28,7 +28,7 @@ def settings_of(kind: str) -> DaggerSettings:
 
 
 def broken_off(checkpoint: Path, settings: DaggerSettings, after: int) -> None:
-    """Rounds until number `after` has been told."""
+    """Rounds until number `after` has been logged."""
 
     def hear(number: int, values: Mapping[str, float]) -> None:
         if number == after:
@@ -43,13 +43,13 @@ def test_broken_off_after_any_round_it_ends_with_the_same_bits_and_tells_every_r
     kind: str, tmp_path: Path
 ) -> None:
     settings, checkpoint = settings_of(kind), tmp_path / "checkpoint"
-    told: list[list[tuple[int, dict[str, float]]]] = [[], []]
+    entries: list[list[tuple[int, dict[str, float]]]] = [[], []]
     for after in (0, 1, 2):
         broken_off(checkpoint, settings, after)
-    resumed = trained(checkpoint, settings, lambda *point: told[0].append((point[0], dict(point[1]))))
-    unbroken = trained(None, settings, lambda *point: told[1].append((point[0], dict(point[1]))))
+    resumed = trained(checkpoint, settings, lambda *point: entries[0].append((point[0], dict(point[1]))))
+    unbroken = trained(None, settings, lambda *point: entries[1].append((point[0], dict(point[1]))))
     assert_same_weights(unbroken, resumed)
-    assert told[0] == told[1]
+    assert entries[0] == entries[1]
     assert [path.name for path in tmp_path.iterdir()] == ["checkpoint"]
 
 
@@ -72,10 +72,10 @@ def test_a_checkpoint_of_other_settings_is_not_gone_on_from(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("kept", [0, 200, -1])
-def test_a_damaged_checkpoint_is_told_in_one_line(kept: int, tmp_path: Path) -> None:
+def test_a_damaged_checkpoint_is_reported_in_one_line(kept: int, tmp_path: Path) -> None:
     checkpoint = tmp_path / "checkpoint"
     broken_off(checkpoint, settings_of("reservoir"), 0)
     checkpoint.write_bytes(checkpoint.read_bytes()[:kept])
-    with pytest.raises(UserError, match=r"checkpoint: .*is damaged") as told:
+    with pytest.raises(UserError, match=r"checkpoint: .*is damaged") as error:
         load_rounds(checkpoint, "any")
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)

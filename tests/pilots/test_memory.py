@@ -5,7 +5,7 @@ import numpy as np
 from swamp_rl.pilots.memory import Memory
 
 
-def test_the_past_is_told_latest_first_and_a_blank_one_is_at_rest_where_it_is_now() -> None:
+def test_the_past_is_reported_latest_first_and_a_blank_one_is_at_rest_where_it_is_now() -> None:
     memory = Memory(2, 1)
     memory.begin(1)
     np.testing.assert_array_equal(memory.recall(np.array([[5.0]])), [[5, 5, 0, 0, 5, 0, 0]])

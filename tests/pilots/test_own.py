@@ -94,7 +94,7 @@ def test_its_stored_copy_steers_as_it_did(place: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "options", "told"),
+    ("kind", "options", "message"),
     [
         ("my_pilot:Nobody", {}, "Nobody"),
         ("no_such_module:MyPilot", {}, "no_such_module"),
@@ -105,9 +105,9 @@ def test_its_stored_copy_steers_as_it_did(place: Path) -> None:
     ],
 )
 def test_a_wrong_class_or_option_is_refused_by_key(
-    place: Path, kind: str, options: dict[str, int], told: str
+    place: Path, kind: str, options: dict[str, int], message: str
 ) -> None:
-    with pytest.raises(UserError, match=rf"pilots\.mine\.(kind|options).*{told}"):
+    with pytest.raises(UserError, match=rf"pilots\.mine\.(kind|options).*{message}"):
         load_experiment(experiment(place, kind=kind, options=options))
 
 
@@ -116,10 +116,10 @@ def test_a_wrong_class_or_option_is_refused_by_key(
 def test_an_installed_packages_entry_point_is_a_kind_that_is_trained_stored_and_read_again(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told = place / "their_package-1.0.dist-info"
-    told.mkdir()
-    (told / "METADATA").write_text("Metadata-Version: 2.1\nName: their-package\nVersion: 1.0\n")
-    (told / "entry_points.txt").write_text(f"[{own.GROUP}]\nmine = my_pilot:MyPilot\n")
+    message = place / "their_package-1.0.dist-info"
+    message.mkdir()
+    (message / "METADATA").write_text("Metadata-Version: 2.1\nName: their-package\nVersion: 1.0\n")
+    (message / "entry_points.txt").write_text(f"[{own.GROUP}]\nmine = my_pilot:MyPilot\n")
     assert "mine" in own.own_kinds()
     out = run_experiment(experiment(place, kind="mine", options={"epochs": 3}), out=place / "out")
     assert json.loads((out / "results.json").read_text())["pilots"]["mine"]["kind"] == "mine"
@@ -128,7 +128,7 @@ def test_an_installed_packages_entry_point_is_a_kind_that_is_trained_stored_and_
     assert load_pilot(out / "pilots" / "mine").kind == "mine"
     again = evaluate_folders([out / "pilots" / "mine"], {}, out=place / "again")
     assert rates(again)["mine"]["levels"] == rates(out)["mine"]["levels"]
-    shutil.rmtree(told)
+    shutil.rmtree(message)
     forget(monkeypatch)
     with pytest.raises(UserError, match=r"kind 'mine' is none of"):
         load_pilot(out / "pilots" / "mine")
@@ -172,14 +172,14 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("number", range(len(BROKEN)))
-def test_what_is_wrong_in_the_users_own_module_is_told_by_line(place: Path, number: int) -> None:
-    text, told = list(BROKEN.items())[number]
+def test_what_is_wrong_in_the_users_own_module_is_reported_by_line(place: Path, number: int) -> None:
+    text, message = list(BROKEN.items())[number]
     (place / f"broken_{number}.py").write_text(text)
-    with pytest.raises(UserError, match=rf"pilots\.mine\.kind: broken_{number}:MyPilot.*{told}"):
+    with pytest.raises(UserError, match=rf"pilots\.mine\.kind: broken_{number}:MyPilot.*{message}"):
         load_experiment(experiment(place, kind=f"broken_{number}:MyPilot"))
 
 
-def test_a_file_that_an_own_pilot_does_not_find_again_is_told_with_its_class(place: Path) -> None:
+def test_a_file_that_an_own_pilot_does_not_find_again_is_reported_with_its_class(place: Path) -> None:
     file = place / "my_pilot.py"
     file.write_text(file.read_text().replace('load(folder / "network.pt"', 'load(folder / "net.pt"'))
     save_pilot(opened(asked_pilot("my_pilot:MyPilot")), place / "stored")
@@ -190,25 +190,25 @@ def test_a_file_that_an_own_pilot_does_not_find_again_is_told_with_its_class(pla
 def test_senses_of_a_class_that_there_are_not_are_refused_with_the_pilot_before_any_work(place: Path) -> None:
     file = place / "my_pilot.py"
     file.write_text(file.read_text().replace('"gate_cos"', '"gate_cosine"'))
-    told = r"pilots\.mine\.kind: my_pilot:MyPilot\.senses: .*'gate_cosine'; did you mean 'gate_cos'"
-    with pytest.raises(UserError, match=told):
+    message = r"pilots\.mine\.kind: my_pilot:MyPilot\.senses: .*'gate_cosine'; did you mean 'gate_cos'"
+    with pytest.raises(UserError, match=message):
         run_experiment(experiment(place), out=place / "out")
     assert not list(place.glob("*out*"))
 
 
-def test_a_class_whose_train_returns_no_pilot_is_told() -> None:
+def test_a_class_whose_train_returns_no_pilot_is_reported() -> None:
     with pytest.raises(UserError, match="a:B: made None, which has no reset, act; return a pilot"):
         OwnPilot("a:B", None, Settings())
 
 
 @pytest.mark.parametrize(
-    ("levers", "told"),
+    ("levers", "message"),
     [(np.zeros((3, 3)), "shape"), (np.full((3, 2), np.nan), "finite"), ([[1.0], [1.0, 0.0]], "no array")],
 )
-def test_levers_that_are_none_are_told(levers: Any, told: str) -> None:
+def test_levers_that_are_none_are_reported(levers: Any, message: str) -> None:
     steering = Counting()
     steering.act = lambda observation: levers  # type: ignore[method-assign]
-    with pytest.raises(UserError, match=rf"a:B\.act: .*{told}"):
+    with pytest.raises(UserError, match=rf"a:B\.act: .*{message}"):
         OwnPilot("a:B", steering, Settings()).act(np.zeros((3, 1)))
 
 
@@ -270,7 +270,7 @@ def test_models_of_the_same_name_are_all_evaluated_in_the_order_asked_by_the_nam
 
 
 @pytest.mark.usefixtures("no_figures")
-def test_pilots_that_keep_no_experiment_are_evaluated_in_the_usual_one_and_told_so(
+def test_pilots_that_keep_no_experiment_are_evaluated_in_the_usual_one_and_reported_so(
     place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(place)
@@ -307,15 +307,15 @@ def test_what_is_no_model_and_a_model_that_was_changed_are_refused(place: Path) 
 
 
 @pytest.mark.parametrize("held", [{}, {"clip_range": 0.2}, {"gae_lambda": 1.0, "policy_class": "x"}, []])
-def test_a_zip_that_no_algorithm_reads_is_told_by_its_name_in_one_line(place: Path, held: object) -> None:
+def test_a_zip_that_no_algorithm_reads_is_reported_by_its_name_in_one_line(place: Path, held: object) -> None:
     with zipfile.ZipFile(place / "other.zip", "w") as archive:
         archive.writestr("data", json.dumps(held))
-    with pytest.raises(UserError, match=r"other\.zip: (is a model of none of|could not be read)") as told:
+    with pytest.raises(UserError, match=r"other\.zip: (is a model of none of|could not be read)") as error:
         opened(asked_pilot(f"sb3:{place}/other.zip"))
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
-def test_a_model_that_is_not_there_is_told_before_anything_is_recorded(place: Path) -> None:
+def test_a_model_that_is_not_there_is_reported_before_anything_is_recorded(place: Path) -> None:
     (place / "mine.yaml").write_text(
         "{name: mine, boat: swamp, course: camogli, step: 0.1, data: {record: {good: 1}}, "
         "pilots: {exported: {kind: onnx, options: {file: nowhere.onnx}}}, "
@@ -326,7 +326,7 @@ def test_a_model_that_is_not_there_is_told_before_anything_is_recorded(place: Pa
     assert not list(place.glob("*out*"))
 
 
-def test_a_model_that_observes_something_else_is_told_before_anything_is_recorded(place: Path) -> None:
+def test_a_model_that_observes_something_else_is_reported_before_anything_is_recorded(place: Path) -> None:
     senses = ["gate_ahead", "yaw_rate"]
     PPO("MlpPolicy", gymnasium.make("swamp/Gates-v1", observation=senses)).save(place / "two.zip")
     file = write_tiny(place, "scripted")

@@ -50,18 +50,18 @@ def test_a_training_killed_at_random_instants_ends_with_the_same_bits(tmp_path: 
 
 def test_a_checkpoint_tells_the_curve_again_and_is_refused_with_other_settings(tmp_path: Path) -> None:
     path = tmp_path / "checkpoint"
-    told: list[tuple[int, dict[str, float]]] = []
+    entries: list[tuple[int, dict[str, float]]] = []
 
     def log(step: int, values: Any) -> None:
-        told.append((step, dict(values)))
+        entries.append((step, dict(values)))
 
     train_ppo(boats_of(QUICK), QUICK, log=log, checkpoint=path)
-    first = list(told)
+    first = list(entries)
     assert [step for step, _ in first] == sorted({step for step, _ in first}) and first[-1][0] == 2048
     assert all(0.0 <= values["success"] <= 1.0 and values["episodes"] >= 1 for _, values in first)
-    told.clear()
+    entries.clear()
     train_ppo(boats_of(QUICK), QUICK, log=log, checkpoint=path)
-    assert told == first
+    assert entries == first
     with pytest.raises(UserError, match=r"other settings \(epochs\)"):
         train_ppo(boats_of(QUICK), QUICK.model_copy(update={"epochs": 3}), checkpoint=path)
     path.write_bytes(path.read_bytes()[:-100])
@@ -91,7 +91,7 @@ def test_ppo_drives_as_the_clone_it_begins_as_until_its_value_function_has_settl
 
 
 @pytest.mark.parametrize(
-    ("start", "told"),
+    ("start", "message"),
     [
         (ScriptedPilot(0), "cannot start from a scripted pilot"),
         (clone(("north", "east"), hidden=32), "use the same `hidden`"),
@@ -99,9 +99,9 @@ def test_ppo_drives_as_the_clone_it_begins_as_until_its_value_function_has_settl
         (NetworkPilot("ppo", ("north",), clone(CLONED).weights(), memory=1), "has a memory, which"),
     ],
 )
-def test_a_pilot_that_ppo_cannot_begin_as_is_refused(start: Any, told: str) -> None:
+def test_a_pilot_that_ppo_cannot_begin_as_is_refused(start: Any, message: str) -> None:
     settings = QUICK.model_copy(update={"senses": ("north", "east")})
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         train_ppo(boats_of(settings), settings, start=start)
 
 

@@ -79,13 +79,13 @@ def test_a_checkpoint_of_another_training_is_not_gone_on_from(change: str, tmp_p
     assert_same_weights(fit(runs, settings), found)
 
 
-def test_a_damaged_checkpoint_is_told_in_one_line(tmp_path: Path) -> None:
+def test_a_damaged_checkpoint_is_reported_in_one_line(tmp_path: Path) -> None:
     checkpoint = tmp_path / "training.safetensors"
     broken_off("cloning", 2, checkpoint)
     checkpoint.write_bytes(checkpoint.read_bytes()[:200])
-    with pytest.raises(UserError, match=r"training.safetensors: .*is damaged") as told:
+    with pytest.raises(UserError, match=r"training.safetensors: .*is damaged") as error:
         broken_off("cloning", 1, checkpoint)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
 @forks.GROUP

@@ -83,7 +83,7 @@ def test_a_pilot_that_the_disk_has_no_room_for_is_one_clear_line_and_not_there(t
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_missing_pilot_is_told_in_one_line(tmp_path: Path) -> None:
+def test_a_missing_pilot_is_reported_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"pilot.json: No such file"):
         load_pilot(tmp_path / "pilot")
 
@@ -94,7 +94,7 @@ def resealed(folder: Path, **changes: Any) -> None:
     (folder / "pilot.json").write_text(sealed(description), encoding="utf-8")
 
 
-def test_a_description_that_makes_no_pilot_is_told_in_one_line_that_names_it(tmp_path: Path) -> None:
+def test_a_description_that_makes_no_pilot_is_reported_in_one_line_that_names_it(tmp_path: Path) -> None:
     bare = {"kind": "ppo", "senses": [], "hold": 1}
     spoilt: dict[str, dict[str, Any]] = {
         "'autopilot' is none of": {"kind": "autopilot"},
@@ -111,17 +111,17 @@ def test_a_description_that_makes_no_pilot_is_told_in_one_line_that_names_it(tmp
         folder = tmp_path / f"pilot-{number}"
         save_pilot(fitted("reservoir"), folder)
         resealed(folder, **changes)
-        with pytest.raises(UserError, match=message) as told:
+        with pytest.raises(UserError, match=message) as error:
             load_pilot(folder)
-        assert str(folder) in str(told.value) and "\n" not in str(told.value)
+        assert str(folder) in str(error.value) and "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
-    ("name", "number", "told"),
+    ("name", "number", "message"),
     [("W", np.nan, "W holds"), ("Wout", np.inf, "Wout holds"), ("scale", 0.0, "scale must be above 0")],
 )
 def test_weights_that_give_no_levers_are_refused_by_their_name(
-    name: str, number: float, told: str, tmp_path: Path
+    name: str, number: float, message: str, tmp_path: Path
 ) -> None:
     class Spoilt(ReservoirPilot):
         def weights(self) -> dict[str, np.ndarray]:
@@ -130,7 +130,7 @@ def test_weights_that_give_no_levers_are_refused_by_their_name(
 
     pilot = fitted("reservoir")
     save_pilot(Spoilt.build(pilot.settings(), pilot.weights()), tmp_path)
-    with pytest.raises(UserError, match=rf"weights.safetensors: {told}.*; train the pilot again"):
+    with pytest.raises(UserError, match=rf"weights.safetensors: {message}.*; train the pilot again"):
         load_pilot(tmp_path)
 
 
@@ -159,9 +159,9 @@ def test_one_flipped_bit_anywhere_is_refused_in_one_line(
     content = bytearray((stored / name).read_bytes())
     place = data.draw(strategies.integers(0, 8 * len(content) - 1))
     content[place // 8] ^= 1 << place % 8
-    with damaged(stored / name, bytes(content)), pytest.raises(UserError, match="pilot") as told:
+    with damaged(stored / name, bytes(content)), pytest.raises(UserError, match="pilot") as error:
         load_pilot(stored)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
 @given(data=strategies.data(), name=strategies.sampled_from(["pilot.json", "weights.safetensors"]))

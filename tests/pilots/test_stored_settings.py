@@ -60,9 +60,12 @@ def test_a_setting_that_no_writer_gives_is_refused_by_its_key_or_drives(name: st
             try:
                 read = load_pilot(tmp_path)
             except UserError as error:
-                told = str(error)
-                assert told.isprintable() and len(told) < 600
-                assert "NoneType" not in told and "object" not in told and "operand" not in told, (key, told)
+                message = str(error)
+                assert message.isprintable() and len(message) < 600
+                assert "NoneType" not in message and "object" not in message and "operand" not in message, (
+                    key,
+                    message,
+                )
             else:
                 read.reset(2)
                 levers = read.act(np.ones((2, len(read.senses))))
@@ -70,7 +73,7 @@ def test_a_setting_that_no_writer_gives_is_refused_by_its_key_or_drives(name: st
 
 
 @pytest.mark.parametrize(
-    ("name", "changes", "told"),
+    ("name", "changes", "message"),
     [
         ("scripted", {"seed": "zzz"}, "settings: seed: must be a whole number, not 'zzz'"),
         ("scripted", {"step": -0.5}, "settings: step: must be greater than 0, not -0.5"),
@@ -83,11 +86,11 @@ def test_a_setting_that_no_writer_gives_is_refused_by_its_key_or_drives(name: st
     ],
 )
 def test_a_setting_is_refused_with_what_is_allowed(
-    name: str, changes: dict[str, Any], told: str, tmp_path: Path
+    name: str, changes: dict[str, Any], message: str, tmp_path: Path
 ) -> None:
     save_pilot(PILOTS[name], tmp_path)
     whole = describe_pilot(tmp_path)
     changed = whole.model_copy(update={"settings": whole.settings | changes})
     (tmp_path / "pilot.json").write_text(sealed(changed))
-    with pytest.raises(UserError, match=rf"\({told}.*\); train it again"):
+    with pytest.raises(UserError, match=rf"\({message}.*\); train it again"):
         load_pilot(tmp_path)

@@ -33,7 +33,7 @@ def test_a_date_and_a_time_of_day_is_a_moment(cells: tuple[str, str]) -> None:
     found = stamps(*cells)
     assert found.start == START
     assert found.time == pytest.approx([0.0, 0.5])
-    assert "from 2024-05-14T09:20:00.000+00:00" in str(found.told)
+    assert "from 2024-05-14T09:20:00.000+00:00" in str(found.note)
 
 
 def test_of_two_orders_of_day_and_month_the_one_of_the_shorter_log_holds() -> None:
@@ -42,10 +42,10 @@ def test_of_two_orders_of_day_and_month_the_one_of_the_shorter_log_holds() -> No
     assert datetime.fromtimestamp(over_midnight.start, UTC).month == 6
 
 
-def test_a_date_that_may_be_of_either_order_is_told_and_starts_alike_in_all_tables() -> None:
+def test_a_date_that_may_be_of_either_order_is_reported_and_starts_alike_in_all_tables() -> None:
     found = stamps("05/06/2024 12:00:00", "05/06/2024 12:00:01")
     assert found.time == pytest.approx([0.0, 1.0])
-    assert "not known" in str(found.told)
+    assert "not known" in str(found.note)
     assert stamps("05/06/2024 12:00:03").start == found.start + 3.0
     assert stamps("05/05/2024 12:00:00").start > 0.0  # the same in both
 

@@ -17,7 +17,7 @@ from swamp_rl.runs.import_dataset import import_runs
 from swamp_rl.runs.mcap_files import read_mcap, write_mcap
 from tests.support.runs import circling, described
 
-TOLD = RunMeta.model_validate(
+META = RunMeta.model_validate(
     {
         "seed": 3,
         "outcome": "success",
@@ -34,11 +34,11 @@ def dataset(tmp_path: Path) -> Dataset:
     folder = tmp_path / "runs"
     create_dataset(folder, described(notes="öre: 'x'", licence="CC0"))
     rng = np.random.default_rng(5)
-    for name, seconds, told in (("one", 3.0, TOLD), ("two", 1.2, RunMeta(outcome="buoy"))):
+    for name, seconds, meta in (("one", 3.0, META), ("two", 1.2, RunMeta(outcome="buoy"))):
         columns = circling(seconds)
         columns["north"] = columns["north"] + rng.normal(size=len(columns["time"])) * 1e-9
         columns["temperature"] = rng.normal(size=len(columns["time"])) * 1e30
-        append_run(folder, Run(name, columns, told))
+        append_run(folder, Run(name, columns, meta))
     return read_dataset(folder)
 
 
@@ -52,7 +52,7 @@ def assert_same(found: list[Run], wanted: list[Run]) -> None:
 
 
 @pytest.mark.parametrize("to", ["csv", "parquet", "mcap"])
-def test_tables_and_mcap_come_back_to_the_bit_with_all_that_was_told(
+def test_tables_and_mcap_come_back_to_the_bit_with_all_that_was_described(
     dataset: Dataset, tmp_path: Path, to: str
 ) -> None:
     assert export_runs(dataset.folder, to, tmp_path / "out") == 2
@@ -79,15 +79,15 @@ def test_minari_reads_its_own_format_and_gives_every_column_to_the_bit(
         assert episode.rewards.sum() == (run.meta.outcome == "success") == episode.rewards[-1]
         assert episode.terminations[-1] and not episode.terminations[:-1].any()
         assert not episode.truncations.any()
-        told = next(iter(loaded.storage.get_episode_metadata([number])))
-        kept = json.loads(told["options"]["run"])
+        metadata = next(iter(loaded.storage.get_episode_metadata([number])))
+        kept = json.loads(metadata["options"]["run"])
         assert kept.pop("name") == run.name
         meta = RunMeta.model_validate(kept | {"rows": run.meta.rows})
         columns = {name: np.asarray(episode.infos[name]) for name in run.columns}
         found.append(Run(run.name, columns, meta))
     assert_same(found, dataset.runs)
-    told = DatasetMeta.model_validate(json.loads(loaded.storage.metadata["swamp_rl"]))
-    assert told == dataset.meta.model_copy(update={"runs": []})
+    metadata = DatasetMeta.model_validate(json.loads(loaded.storage.metadata["swamp_rl"]))
+    assert metadata == dataset.meta.model_copy(update={"runs": []})
 
 
 def test_a_run_cut_short_by_time_is_truncated_not_terminated(tmp_path: Path) -> None:
@@ -104,10 +104,10 @@ def test_a_run_cut_short_by_time_is_truncated_not_terminated(tmp_path: Path) -> 
 def lerobot_runs(folder: Path) -> list[Run]:
     """The runs in a folder of LeRobot's layout, found by what its info and episodes say."""
     info = json.loads((folder / "meta" / "info.json").read_text())
-    told = json.loads((folder / "meta" / "swamp_rl.json").read_text())
+    data = json.loads((folder / "meta" / "swamp_rl.json").read_text())
     episodes = pq.read_table(folder / "meta" / "episodes").to_pylist()
     found = []
-    for episode, meta in zip(episodes, told["runs"], strict=True):
+    for episode, meta in zip(episodes, data["runs"], strict=True):
         place = info["data_path"].format(
             chunk_index=episode["data/chunk_index"], file_index=episode["data/file_index"]
         )

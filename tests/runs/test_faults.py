@@ -156,17 +156,17 @@ def test_small_angles_in_degrees_are_betrayed_by_the_other_column(good: Path, co
 
 
 @pytest.mark.parametrize(
-    ("first", "factor", "told"), [(4.5, 1.0, "wrap it"), (0.05, 180.0 / math.pi, "degrees")]
+    ("first", "factor", "message"), [(4.5, 1.0, "wrap it"), (0.05, 180.0 / math.pi, "degrees")]
 )
-def test_a_heading_beyond_a_turn_is_told_from_one_in_degrees(
-    good: Path, first: float, factor: float, told: str
+def test_a_heading_beyond_a_turn_is_distinguished_from_one_in_degrees(
+    good: Path, first: float, factor: float, message: str
 ) -> None:
     columns = circling()
     columns["heading"] = factor * (first + 0.8 * columns["time"])
     columns["yaw_rate"][:] = 0.8
     (fault,) = faults_of(good, columns)
     assert fault.column == "heading"
-    assert told in fault.message
+    assert message in fault.message
 
 
 def test_a_column_wholly_in_degrees_is_one_fault_with_its_extent(good: Path) -> None:
@@ -177,7 +177,7 @@ def test_a_column_wholly_in_degrees_is_one_fault_with_its_extent(good: Path) -> 
     assert str(fault).endswith(f"(in each of rows 1 to {ROWS}: {ROWS} rows)")
 
 
-def test_rows_with_the_same_fault_here_and_there_are_told_in_one_line() -> None:
+def test_rows_with_the_same_fault_here_and_there_are_reported_in_one_line() -> None:
     heading = np.array([359.0, 0.1, 358.5, 2.0, 0.2, -4.1])
     rows = np.arange(1, 7)
     of = partial("{:g} is outside [-1, 1] rad".format)

@@ -66,12 +66,12 @@ def refused(
     tmp_path: Path, path: Path, kind: str, *parts: str, wishes: Wishes = WISHES, **about: object
 ) -> None:
     before = sorted(tmp_path.iterdir())
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         import_runs([path], kind, tmp_path / "out", About(**about), wishes)
-    lines = str(told.value).splitlines()
+    lines = str(error.value).splitlines()
     assert len(lines) <= 21 and all(path.name in line for line in lines[:20])
-    assert all(part in str(told.value) for part in parts), str(told.value)
-    assert META not in str(told.value)
+    assert all(part in str(error.value) for part in parts), str(error.value)
+    assert META not in str(error.value)
     assert sorted(tmp_path.iterdir()) == before
 
 
@@ -152,7 +152,9 @@ def test_what_is_wrong_is_named_by_file_row_and_column_and_nothing_is_written(
         ("t_ms,x,y,psi,sog_kn\n0,1,2,3,4\n100,1,2,3,4", "does not end with a line end"),
     ],
 )
-def test_a_table_that_is_written_otherwise_is_told_how(tmp_path: Path, text: str | bytes, part: str) -> None:
+def test_a_table_that_is_written_otherwise_is_reported_how(
+    tmp_path: Path, text: str | bytes, part: str
+) -> None:
     path = tmp_path / "log.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     refused(tmp_path, path, "csv", "log.csv", part)
@@ -202,8 +204,8 @@ def test_a_gap_longer_than_fill_is_not_interpolated(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "log.csv", foreign() | {"t_ms": (1000.0 * times).tolist()})
     for fill in (0.0, 5.0):
         wishes = Wishes(WISHES.renamed, WISHES.units, resample=20.0, fill=fill)
-        told = ["row 21 (line 22), column time: 5.1 s after the row before; --fill SECONDS", "--bad-rows"]
-        refused(tmp_path, path, "csv", *told, wishes=wishes)
+        message = ["row 21 (line 22), column time: 5.1 s after the row before; --fill SECONDS", "--bad-rows"]
+        refused(tmp_path, path, "csv", *message, wishes=wishes)
     wishes = Wishes(WISHES.renamed, WISHES.units, resample=20.0, fill=5.2)
     import_runs([path], "csv", tmp_path / "out", None, wishes)
     assert read_dataset(tmp_path / "out").runs[0].duration == pytest.approx(8.9)
@@ -382,11 +384,11 @@ def test_an_outcome_cannot_be_worked_out_without_a_course(tmp_path: Path) -> Non
     assert not (tmp_path / "out").exists()
 
 
-def test_what_all_files_lack_is_told_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_all_files_lack_is_reported_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyproj", None)
     columns = {"time": TIME.tolist(), "heading": [0.1] * 40}
     columns |= {"latitude": [43.21] * 40, "longitude": [8.76] * 40}
     files = [write_csv(tmp_path / f"{name}.csv", columns) for name in ("one", "two")]
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         import_runs(files, "csv", tmp_path / "out")
-    assert str(told.value) == "latitude and longitude need pyproj; pip install 'swamp-rl[gps]'"
+    assert str(error.value) == "latitude and longitude need pyproj; pip install 'swamp-rl[gps]'"

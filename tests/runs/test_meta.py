@@ -74,7 +74,7 @@ def test_a_dataset_that_was_read_keeps_its_boat(folder: Path) -> None:
     assert dataset.boat is boat
 
 
-def test_a_folder_of_datasets_is_told_from_one(tmp_path: Path) -> None:
+def test_a_folder_of_datasets_is_distinguished_from_one(tmp_path: Path) -> None:
     for name in ("june", "may"):
         create_dataset(tmp_path / name, described())
     (fault,) = check_dataset(tmp_path)
@@ -86,7 +86,7 @@ def test_a_folder_that_does_not_exist_is_an_error(tmp_path: Path) -> None:
         check_dataset(tmp_path / "nowhere")
 
 
-def test_a_log_in_the_place_of_a_dataset_is_told_how_to_become_one(tmp_path: Path) -> None:
+def test_a_log_in_the_place_of_a_dataset_is_reported_how_to_become_one(tmp_path: Path) -> None:
     (tmp_path / "trip.csv").write_text("time\n0\n")
     with pytest.raises(UserError, match=r"trip\.csv: is a file.*swamp-rl runs import"):
         check_dataset(tmp_path / "trip.csv")

@@ -44,11 +44,11 @@ def imported(path: Path, way: str, wishes: Wishes) -> list[Run]:
 @pytest.mark.parametrize("mark", [-999.0, 9999.0])
 def test_a_mark_is_no_place_and_its_rows_can_be_left_out(tmp_path: Path, way: str, mark: float) -> None:
     path = log_of(tmp_path / "log.csv", mark)
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         imported(path, way, Wishes())
     for name in ("north", "east"):
-        assert f"row 21 (line 22), column {name}: is missing, marked by {mark:.0f}" in str(told.value)
-    assert "(--bad-rows cut or split)" in str(told.value)
+        assert f"row 21 (line 22), column {name}: is missing, marked by {mark:.0f}" in str(error.value)
+    assert "(--bad-rows cut or split)" in str(error.value)
     first, second = imported(path, way, Wishes(bad_rows="split"))
     assert np.concatenate([first.time, second.time]) == pytest.approx(np.delete(TIME, BAD))
 
@@ -126,9 +126,9 @@ def test_a_mark_in_a_compass_that_crosses_north_is_one(tmp_path: Path, given: st
             import_logs([path], "csv", tmp_path / "out", About(), wishes, reading)
         return read_dataset(tmp_path / "out").runs
 
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         made(wishes)
-    (line,) = str(told.value).splitlines()
+    (line,) = str(error.value).splitlines()
     assert "row 31 (line 32), column heading: is missing, marked by -999" in line
     runs = made(replace(wishes, bad_rows="split"))
     assert [len(run.time) for run in runs] == [30, 29]

@@ -1,4 +1,4 @@
-"""What is told of runs of which rows were left out: only what is true of the rows that are left."""
+"""Metadata of runs of which rows were left out: only what is true of the rows that are left."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ WHOLE = {"outcome": "success", "gates": [0.5, 2.5], "seconds": 2.0}
 LASTING = {"disturbances": [], "group": "monday", "level": "none"}
 
 
-def told(run: Run) -> set[str]:
+def entries_of(run: Run) -> set[str]:
     """Which of the entries the run still has."""
     return {key for key, value in run.meta.model_dump().items() if value is not None}
 
@@ -42,30 +42,30 @@ def test_parts_of_a_run_keep_what_is_true_of_them(holed: Path, tmp_path: Path) -
     import_runs([holed], "csv", tmp_path / "out", None, Wishes(bad_rows="split"))
     first, rest, whole = read_dataset(tmp_path / "out").runs
     assert [len(run.time) for run in (first, rest, whole)] == [12, 18, 31]
-    assert told(first) & {*START, *WHOLE} == {*START}
-    assert told(rest) & {*START, *WHOLE} == set()
-    assert told(whole) >= {*START, *WHOLE}
-    assert all(told(run) >= {*LASTING} for run in (first, rest, whole))
+    assert entries_of(first) & {*START, *WHOLE} == {*START}
+    assert entries_of(rest) & {*START, *WHOLE} == set()
+    assert entries_of(whole) >= {*START, *WHOLE}
+    assert all(entries_of(run) >= {*LASTING} for run in (first, rest, whole))
 
 
-def test_the_longest_part_of_a_run_is_told_of_as_a_part(holed: Path, tmp_path: Path) -> None:
+def test_the_longest_part_of_a_run_is_reported_as_a_part(holed: Path, tmp_path: Path) -> None:
     import_runs([holed / "one.csv"], "csv", tmp_path / "out", About(outcome="auto"), Wishes(bad_rows="cut"))
     (run,) = read_dataset(tmp_path / "out").runs
     assert run.meta.outcome == "incomplete"
-    assert told(run) & {*START, "gates", "seconds"} == set()
+    assert entries_of(run) & {*START, "gates", "seconds"} == set()
 
 
 def test_a_hole_that_is_filled_leaves_the_run_whole(holed: Path, tmp_path: Path) -> None:
     wishes = Wishes(bad_rows="cut", resample=10.0, fill=0.5)
     import_runs([holed / "one.csv"], "csv", tmp_path / "out", None, wishes)
     (run,) = read_dataset(tmp_path / "out").runs
-    assert told(run) >= {*START, *WHOLE}
+    assert entries_of(run) >= {*START, *WHOLE}
 
 
 @pytest.mark.parametrize(("seconds", "kept"), [(0.5, {*START}), (-0.5, set())])
-def test_a_run_with_earlier_commands_is_told_of_as_the_part_that_is_left(
+def test_a_run_with_earlier_commands_is_reported_as_the_part_that_is_left(
     seconds: float, kept: set[str]
 ) -> None:
     found = with_earlier_commands(sailed(), seconds)
-    assert told(found) & {*START, *WHOLE} == kept
-    assert told(found) >= {*LASTING, "commands_shifted"}
+    assert entries_of(found) & {*START, *WHOLE} == kept
+    assert entries_of(found) >= {*LASTING, "commands_shifted"}

@@ -88,7 +88,7 @@ def test_an_unknown_column_is_kept_and_reported(folder: Path) -> None:
     assert (found.runs[2].columns["salinity"] == 38.0).all()
 
 
-def test_a_learner_is_told_which_runs_succeeded(folder: Path) -> None:
+def test_a_learner_knows_which_runs_succeeded(folder: Path) -> None:
     assert [run.name for run in read_dataset(folder).successful] == ["one"]
 
 

@@ -67,7 +67,7 @@ def test_two_datasets_keep_the_versions_of_one_boat_that_they_were_made_with(tmp
     assert [read_dataset(tmp_path / name).boat.mass for name in ("before", "after")] == [50.0, 55.0]
 
 
-def test_files_of_one_name_in_a_chain_are_told_apart(tmp_path: Path) -> None:
+def test_files_of_one_name_in_a_chain_are_distinguished(tmp_path: Path) -> None:
     (tmp_path / "deep").mkdir()
     (tmp_path / "deep" / "mine.yaml").write_text(HULL.format(mass=61.0))
     (tmp_path / "mine.yaml").write_text("{extends: deep/mine.yaml, name: mine, draught: 0.15}\n")
@@ -88,10 +88,10 @@ def test_a_copy_that_was_changed_or_taken_away_is_noticed(tmp_path: Path) -> Non
 
 
 def test_a_dataset_of_before_the_copies_still_loads(folder: Path) -> None:
-    told = read_yaml(folder / "dataset.yaml")
-    for name in told.pop("copies"):
+    data = read_yaml(folder / "dataset.yaml")
+    for name in data.pop("copies"):
         (folder / name).unlink()
-    write_yaml(folder / "dataset.yaml", told)
+    write_yaml(folder / "dataset.yaml", data)
     dataset = read_dataset(folder)
     assert (dataset.boat, len(dataset.runs)) == (load_boat("swamp"), 2)
 
@@ -165,6 +165,6 @@ def test_a_command_in_a_hint_can_be_typed_as_it_stands(tmp_path: Path, rows: str
     next(folder.glob("*.csv")).write_text(rows)
     if verb == "check":
         (folder / "dataset.yaml").write_text("vehicle: swamp\n")
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         read_dataset(folder, "swamp")
-    assert f"swamp-rl runs {verb} '{folder}'" in str(told.value)
+    assert f"swamp-rl runs {verb} '{folder}'" in str(error.value)

@@ -78,9 +78,9 @@ def test_a_circle_sailed_is_the_circle_read(tmp_path: Path, end: str) -> None:
         assert run.columns[name] == pytest.approx(true[name], abs=tolerance), name
     for name in ("north", "east"):
         assert run.columns[name] - run.columns[name][0] == pytest.approx(true[name] - true[name][0], abs=2e-3)
-    told = run.meta.model_extra or {}
-    assert told["utc_start"] == START / 1000 and told["sender"] == 101
-    assert told["origin"]["latitude"] == pytest.approx(CAMOGLI[0], abs=1e-7)
+    meta = run.meta.model_extra or {}
+    assert meta["utc_start"] == START / 1000 and meta["sender"] == 101
+    assert meta["origin"]["latitude"] == pytest.approx(CAMOGLI[0], abs=1e-7)
     assert {"gyro_z", "orientation_33", "height_above_sea", "utc_flags"} <= set(run.columns)
 
 
@@ -122,9 +122,9 @@ def test_a_bad_line_is_named_by_line_and_field(
     tmp_path: Path, found: list[list[str]], parts: list[str]
 ) -> None:
     path = write(tmp_path / "a.txt", found)
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         import_runs([path], "telemetry", tmp_path / "out")
-    assert all(part in str(told.value) for part in ["a.txt", *parts]), str(told.value)
+    assert all(part in str(error.value) for part in ["a.txt", *parts]), str(error.value)
     assert [left.name for left in tmp_path.iterdir()] == ["a.txt"]
 
 
@@ -153,9 +153,9 @@ def test_of_several_hulls_one_is_chosen_and_its_lines_keep_their_numbers(tmp_pat
 def test_garbage_is_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, garbage: bytes) -> None:
     path = tmp_path_factory.mktemp("telemetry") / "a.txt"
     path.write_bytes(garbage)
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         read_telemetry(path)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
 def test_numbers_are_kept_as_they_were_sent(tmp_path: Path) -> None:

@@ -178,9 +178,9 @@ def test_a_dataset_that_would_be_too_long_to_read_takes_no_more_runs(
 ) -> None:
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     monkeypatch.setattr("swamp_rl.yaml_text.MOST_NODES", 2000)
-    told = RunMeta.model_validate({"remarks": list(range(2000))})
+    meta = RunMeta.model_validate({"remarks": list(range(2000))})
     with pytest.raises(UserError, match=r"as it would be written, .* more than 2000 values"):
-        append_run(folder, Run("three", circling(), told))
+        append_run(folder, Run("three", circling(), meta))
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
     assert check_dataset(folder) == []
 

@@ -77,9 +77,11 @@ def test_what_the_verb_writes_is_a_run_and_its_line_has_the_error(
     assert len(again.time) == 351
 
 
-@pytest.mark.parametrize(("seconds", "told"), [(40.0, "35 s long, too short"), (0.1, "at least two samples")])
-def test_windows_too_long_or_too_short_are_refused(seconds: float, told: str) -> None:
-    with pytest.raises(UserError, match=told):
+@pytest.mark.parametrize(
+    ("seconds", "message"), [(40.0, "35 s long, too short"), (0.1, "at least two samples")]
+)
+def test_windows_too_long_or_too_short_are_refused(seconds: float, message: str) -> None:
+    with pytest.raises(UserError, match=message):
         replay_restarted(BOAT, sailed(BOAT), seconds)
 
 

@@ -25,8 +25,8 @@ def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tm
         monkeypatch.setattr(sys, "argv", ["swamp-rl", *map(str, words)])
         with pytest.raises(SystemExit) as stop:
             cli.main()
-        said = capsys.readouterr()
-        return int(stop.value.code or 0), said.out, said.err
+        message = capsys.readouterr()
+        return int(stop.value.code or 0), message.out, message.err
 
     return called
 

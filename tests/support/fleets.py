@@ -34,32 +34,35 @@ def diagnosis(*causes: Cause, **more: Any) -> Diagnosis:
 
 
 def pretend(job: str) -> str:
-    """What `diagnose_one` writes, of what the dataset's file `told.json` says, a moment later."""
+    """Write, a moment later, the dataset's `diagnosis_to_write.json` as `diagnose_one` would."""
     asked = json.loads(job)
-    told, out = json.loads((Path(asked["dataset"]) / "told.json").read_text()), Path(asked["out"])
-    if "error" in told:
-        return json.dumps(told)
-    found = diagnosis(*(cause(**one) for one in told["causes"]), elapsed_s=time.perf_counter())
+    data, out = (
+        json.loads((Path(asked["dataset"]) / "diagnosis_to_write.json").read_text()),
+        Path(asked["out"]),
+    )
+    if "error" in data:
+        return json.dumps(data)
+    found = diagnosis(*(cause(**one) for one in data["causes"]), elapsed_s=time.perf_counter())
     out.mkdir()
     (out / RESULT).write_text(found.model_dump_json())
-    time.sleep(told.get("seconds", 0.0))
+    time.sleep(data.get("seconds", 0.0))
     (out / INPUT).write_text(json.dumps(asked["input"]))
     return json.dumps({"verdict": found.verdict, "seconds": 0.0})
 
 
-def datasets(folder: Path, told: dict[str, Any]) -> list[Path]:
+def datasets(folder: Path, meta: dict[str, Any]) -> list[Path]:
     """A folder for each name, with what its diagnosis is to say."""
-    for name, said in told.items():
+    for name, result in meta.items():
         (folder / name).mkdir(parents=True)
-        (folder / name / "told.json").write_text(json.dumps(said))
+        (folder / name / "diagnosis_to_write.json").write_text(json.dumps(result))
         (folder / name / "run.csv").write_text(name)
-    return [folder / name for name in told]
+    return [folder / name for name in meta]
 
 
 def main() -> None:
     out, *given = map(Path, sys.argv[1:])
     with ProcessPool(pretend, 2) as pool:
-        diagnose_fleet(given, out, pool=pool, tell=lambda name, said: print(name, flush=True))
+        diagnose_fleet(given, out, pool=pool, tell=lambda name, result: print(name, flush=True))
 
 
 if __name__ == "__main__":

@@ -63,12 +63,12 @@ def around(here: Path) -> dict[str, bytes]:
     return {str(path): path.read_bytes() for path in files}
 
 
-def written(path: Path, told: dict[str, Any]) -> None:
+def written(path: Path, meta: dict[str, Any]) -> None:
     """Write as YAML what this package would refuse to write."""
-    path.write_text(yaml.safe_dump(told))
+    path.write_text(yaml.safe_dump(meta))
 
 
-def said(act: Any, *given: Any, **named: Any) -> str:
+def message_of(act: Any, *given: Any, **named: Any) -> str:
     """The complaint of an act, in one line; empty if it had none. Anything but UserError fails the test."""
     try:
         act(*given, **named)
@@ -78,8 +78,8 @@ def said(act: Any, *given: Any, **named: Any) -> str:
     return ""
 
 
-def assert_harmless(told: str, lines: int | None = None) -> None:
+def assert_harmless(message: str, lines: int | None = None) -> None:
     """What is printed has nothing that a terminal acts on, no line without end, at most so many lines."""
-    shown = told.split("\n")
-    assert all(line.isprintable() and len(line) < 2500 for line in shown), told[:500]
-    assert lines is None or len(shown) - 1 <= lines, told[:500]
+    shown = message.split("\n")
+    assert all(line.isprintable() and len(line) < 2500 for line in shown), message[:500]
+    assert lines is None or len(shown) - 1 <= lines, message[:500]

@@ -47,12 +47,12 @@ def sailed_dataset(
     """
     rng = np.random.default_rng(seed)
     rows = int(seconds / RATE)
-    told: dict[str, Any] = {
+    meta: dict[str, Any] = {
         "mass": truth.mass,
         "draught": truth.draught,
         "water_density": truth.water_density,
     }
-    create_dataset(folder, DatasetMeta(vehicle=str(start), sample_rate=1.0 / RATE, source="scripted", **told))
+    create_dataset(folder, DatasetMeta(vehicle=str(start), sample_rate=1.0 / RATE, source="scripted", **meta))
     for number in range(count):
         commands = steps_of_thrust(truth, rows, rng, low, 8.0)
         commands[:, [len(truth.thrusters) + truth.thruster_names.index(name) for name in idle]] = 0.0

@@ -8,7 +8,7 @@ from swamp_rl.link.protocol import Command, encoded
 from swamp_rl.link.vehicle import Packet, Vehicle
 
 INSTANT = 0.001
-"""Seconds to which arrivals are told."""
+"""Resolution of arrival times [s]."""
 
 
 class SimulatedLink:

@@ -55,6 +55,6 @@ def swept(
             return store.trials()
 
 
-def said(sweep: Sweep, trials: dict[int, Trial]) -> dict[str, Any]:
+def summary_of(sweep: Sweep, trials: dict[int, Trial]) -> dict[str, Any]:
     """All that is to be the same."""
     return results(sweep, [], trials) | {"measured": None}

@@ -60,7 +60,7 @@ def _empty(path: Path, *drawn: Any) -> Path:
 def content(folder: Path) -> dict[str, Any]:
     """All of a result that does not depend on when and how it came about: bytes by file, and results.json.
 
-    Not the list of the files' digests, which tells what is told of them and how long a training took.
+    Not the list of the files' digests, which depends on how long a training took.
     """
     every = (path for name in EXACT for path in (folder / name, *(folder / name).rglob("*")))
     files = [path for path in every if path.is_file() and path.name != WRITTEN]

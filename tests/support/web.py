@@ -30,7 +30,7 @@ def hear(page: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> di
         message = json.loads(page.recv(timeout=PATIENCE))
         if wanted(message):
             return message
-    raise AssertionError("it was never said")
+    raise AssertionError("the message never came")
 
 
 def answer(address: str, *lines: str) -> str:

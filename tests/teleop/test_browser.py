@@ -242,8 +242,8 @@ def test_the_boat_is_chosen_on_the_page_and_its_runs_are_its_own(
         return Afloat(GatesEnv(boat="swamp-light", disturbances=level, observation=senses))
 
     def kept() -> Recordings:
-        told = meta(vehicle="swamp-light", mass=light.mass, draught=light.draught)
-        return Recordings(tmp_path / "runs" / "swamp-light", told, lambda line: None)
+        message = meta(vehicle="swamp-light", mass=light.mass, draught=light.draught)
+        return Recordings(tmp_path / "runs" / "swamp-light", message, lambda line: None)
 
     boats = {"swamp-light": Berth(make_craft, ("calm", "severe"), kept)}
     pilots: dict[str, Pilot] = {"ai": ScriptedPilot(0)}
@@ -383,8 +383,8 @@ def test_others_watch_and_the_page_works_under_its_own_policy(tmp_path: Path, br
         second.goto(address)
         second.wait_for_selector("body.watching #seat:has-text('Taken')")
         second.keyboard.press("r")
-        said, title = (second.locator(name).bounding_box() for name in ("#said.shown", "#banner h1"))
-        assert said and title and said["y"] >= title["y"] + title["height"]
+        text, title = (second.locator(name).bounding_box() for name in ("#said.shown", "#banner h1"))
+        assert text and title and text["y"] >= title["y"] + title["height"]
         first.fill("#nickname", "Ada")
         first.press("#nickname", "Enter")
         until(lambda: hub.session.nickname == "Ada", "the name is heard")

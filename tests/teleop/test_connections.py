@@ -42,13 +42,13 @@ def is_closed(silent: socket.socket) -> bool:
     return True
 
 
-@pytest.mark.parametrize("said", [b"", b"GET / HT", b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: "])
+@pytest.mark.parametrize("result", [b"", b"GET / HT", b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX: "])
 def test_a_connection_without_whole_headers_is_closed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: bytes
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, result: bytes
 ) -> None:
     monkeypatch.setattr(connections, "SILENT", 0.3)
     with serving(tmp_path / "runs") as (address, _), socket.create_connection(place(address)) as silent:
-        silent.sendall(said)
+        silent.sendall(result)
         assert is_closed(silent)
 
 
@@ -238,21 +238,21 @@ def test_a_clock_that_dies_is_started_again_and_its_run_is_kept_as_unfinished(
     assert "run-0001" in names
 
 
-def test_a_clock_that_hangs_in_a_call_is_told_with_its_place(
+def test_a_clock_that_hangs_in_a_call_is_reported_with_its_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    hang, told, whole = threading.Event(), threading.Event(), view.frame
+    hang, result, whole = threading.Event(), threading.Event(), view.frame
 
     def stuck(*words: Any) -> str:
         if hang.is_set():
-            told.wait(PATIENCE)
+            result.wait(PATIENCE)
             hang.clear()
         return whole(*words)
 
     class Listening(logging.Handler):
         def emit(self, record: logging.LogRecord) -> None:
             if "has stood still" in record.getMessage():
-                told.set()
+                result.set()
 
     monkeypatch.setattr(view, "frame", stuck)
     monkeypatch.setattr(server, "STILL", 0.2)
@@ -262,7 +262,7 @@ def test_a_clock_that_hangs_in_a_call_is_told_with_its_place(
         with serving(tmp_path / "runs") as (address, _), driving(address) as driver:
             hear(driver, lambda message: message["type"] == "frame")
             hang.set()
-            assert told.wait(PATIENCE)
+            assert result.wait(PATIENCE)
             hear(driver, lambda message: message["type"] == "frame")
     finally:
         logging.getLogger("swamp_rl.teleop").removeHandler(listening)

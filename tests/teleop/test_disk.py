@@ -26,13 +26,13 @@ BETWEEN = 0.01  # s between two commands, as a page's
 
 
 class Page:
-    """A page's end of the socket: it drives as `driving.aim` does, and remembers what it is told.
+    """A page's end of the socket: it drives as `driving.aim` does, and remembers the messages to it.
 
     It answers no frame of a run twice: each answer moves the boat's clock on.
     """
 
     def __init__(self, socket: ClientConnection) -> None:
-        self.socket, self.told, self.sent, self.answered = socket, list[str](), 0.0, ("", 0.0)
+        self.socket, self.messages, self.sent, self.answered = socket, list[str](), 0.0, ("", 0.0)
 
     def until(self, wanted: Callable[[dict[str, Any]], bool], throttle: float = 1.0) -> None:
         """Drive until a message is wanted."""
@@ -40,7 +40,7 @@ class Page:
         while time.monotonic() < last:
             message = json.loads(self.socket.recv(timeout=PATIENCE))
             if message["type"] == "say":
-                self.told.append(message["text"])
+                self.messages.append(message["text"])
             if message["type"] == "frame" and self.is_due(message):
                 self.sent, self.answered = time.monotonic(), (message["phase"], message["time"])
                 angle = aim(*message["pose"], message["velocity"][2], message["passed"])
@@ -48,7 +48,7 @@ class Page:
                 self.socket.send(json.dumps(levers))
             if wanted(message):
                 return
-        raise AssertionError(f"it never came; told: {self.told}")
+        raise AssertionError(f"it never came; messages: {self.messages}")
 
     def is_due(self, frame: dict[str, Any]) -> bool:
         """Whether the frame is to be answered: a new one of a run, or any at the start."""
@@ -75,7 +75,7 @@ def short(tmp_path: Path) -> str:
     return str(tmp_path / "short.yaml")
 
 
-def said(part: str) -> Callable[[dict[str, Any]], bool]:
+def has_text(part: str) -> Callable[[dict[str, Any]], bool]:
     return lambda message: message["type"] == "say" and part in message["text"]
 
 
@@ -84,8 +84,8 @@ def phase(name: str) -> Callable[[dict[str, Any]], bool]:
 
 
 def refused(folder: Path) -> Callable[[dict[str, Any]], bool]:
-    """An acceptance, not what is told of a run under way."""
-    return lambda message: said(str(folder))(message) and "accepting it" not in message["text"]
+    """An acceptance, not a message about a run under way."""
+    return lambda message: has_text(str(folder))(message) and "accepting it" not in message["text"]
 
 
 def sailed(seconds: float) -> Callable[[dict[str, Any]], bool]:
@@ -114,27 +114,27 @@ def full(monkeypatch: pytest.MonkeyPatch) -> threading.Event:
     return event
 
 
-def test_a_disk_that_fills_in_a_run_is_told_the_run_goes_on_and_is_accepted_once_there_is_room(
+def test_a_disk_that_fills_in_a_run_is_reported_the_run_goes_on_and_is_accepted_once_there_is_room(
     tmp_path: Path, full: threading.Event
 ) -> None:
     with driving(tmp_path / "runs") as page:
         page.until(sailed(2.0))
         full.set()
-        page.until(said("No space left on device"))
+        page.until(has_text("No space left on device"))
         page.until(phase("ended"))
         page.act("accept")
-        page.until(lambda message: said("No space")(message) and "accepting it" not in message["text"])
+        page.until(lambda message: has_text("No space")(message) and "accepting it" not in message["text"])
         page.until(phase("ended"))
         full.clear()
         page.act("accept")
         page.until(is_accepted)
-        assert len(page.told) == 2
+        assert len(page.messages) == 2
     (run,) = read_dataset(tmp_path / "runs").runs
     assert run.time[0] == 0.0 and run.meta.outcome != "interrupted"
     assert largest_difference(run, BOAT) == 0.0
 
 
-def test_a_disk_that_is_full_before_a_run_is_told_and_what_was_accepted_stays(
+def test_a_disk_that_is_full_before_a_run_is_reported_and_what_was_accepted_stays(
     tmp_path: Path, full: threading.Event, short: str
 ) -> None:
     with driving(tmp_path / "runs", short) as page:
@@ -142,7 +142,7 @@ def test_a_disk_that_is_full_before_a_run_is_told_and_what_was_accepted_stays(
         page.act("accept")
         page.until(is_accepted)
         full.set()
-        page.until(said("No space left on device"))
+        page.until(has_text("No space left on device"))
         page.until(phase("ended"))
         page.act("discard")
         page.until(is_at_rest, throttle=0.0)
@@ -155,7 +155,7 @@ def test_a_disk_that_is_full_before_a_run_is_told_and_what_was_accepted_stays(
 
 
 @pytest.mark.parametrize("under_way", [False, True])
-def test_a_folder_that_vanishes_is_told_and_when_it_is_back_runs_are_kept_again(
+def test_a_folder_that_vanishes_is_reported_and_when_it_is_back_runs_are_kept_again(
     tmp_path: Path, under_way: bool, short: str
 ) -> None:
     folder, away = tmp_path / "runs", tmp_path / "away"
@@ -171,10 +171,10 @@ def test_a_folder_that_vanishes_is_told_and_when_it_is_back_runs_are_kept_again(
             page.until(refused(folder))
         else:
             folder.rename(away)
-            page.until(said("cannot be recorded"))
+            page.until(has_text("cannot be recorded"))
             # A lever that is held does not begin it again and again.
             page.until(phase("ready"))
-            assert len(page.told) == 1
+            assert len(page.messages) == 1
         assert not folder.exists()
         away.rename(folder)
         if not under_way:

@@ -155,5 +155,5 @@ def test_a_wrong_token_beside_the_right_cookie_does_not_take_its_place(tmp_path:
     with serving(tmp_path / "runs", token=TOKEN) as (address, _):
         cookie = f"Cookie: swamp_token={TOKEN}"
         host = address.split("/")[2]
-        told = answer(address, "GET /?token=wrong99 HTTP/1.1", f"Host: {host}", cookie)
-        assert " 303 " in told[:20] and "wrong99" not in told and TOKEN in told
+        message = answer(address, "GET /?token=wrong99 HTTP/1.1", f"Host: {host}", cookie)
+        assert " 303 " in message[:20] and "wrong99" not in message and TOKEN in message

@@ -1,4 +1,4 @@
-"""The page's headline fits the course, and a gamepad of an unknown layout is told."""
+"""The page's headline fits the course, and a gamepad of an unknown layout is reported."""
 
 from pathlib import Path
 
@@ -48,14 +48,17 @@ def test_the_headline_of_a_successful_run_has_the_number_of_gates_and_the_start_
         page.close()
 
 
-def test_a_gamepad_of_an_unknown_layout_is_told_and_one_of_the_standard_layout_is_not(
+def test_a_gamepad_of_an_unknown_layout_is_reported_and_one_of_the_standard_layout_is_not(
     tmp_path: Path, browser: Browser
 ) -> None:
     with serving(tmp_path / "runs") as (address, _):
         page = opened(browser, address)
-        for mapping, said in (("standard", ""), ("", "Gamepad of an unknown layout: axis 2 is the throttle")):
+        for mapping, message in (
+            ("standard", ""),
+            ("", "Gamepad of an unknown layout: axis 2 is the throttle"),
+        ):
             event = f"Object.assign(new Event('gamepadconnected'), {{gamepad: {{mapping: '{mapping}'}}}})"
             page.evaluate(f"() => {{ window.dispatchEvent({event}); }}")
-            assert str(page.text_content("#said")).startswith(said)
-            assert bool(page.text_content("#said")) == bool(said)
+            assert str(page.text_content("#said")).startswith(message)
+            assert bool(page.text_content("#said")) == bool(message)
         page.close()

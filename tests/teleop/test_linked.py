@@ -120,7 +120,7 @@ def test_a_page_that_is_gone_stops_the_vehicle(tmp_path: Path) -> None:
     assert not at.pumps.any() and at.game.phase == RUN
 
 
-def test_a_vehicle_that_falls_silent_is_told_and_ends_the_run(tmp_path: Path) -> None:
+def test_a_vehicle_that_falls_silent_is_reported_and_ends_the_run(tmp_path: Path) -> None:
     at = recorder(tmp_path / "runs")
     at.be_ready()
     at.pass_time(4.0, lambda: AHEAD)

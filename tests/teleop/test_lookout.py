@@ -28,7 +28,7 @@ def lookout() -> Iterator[Lookout]:
     found.close()
 
 
-def told(lookout: Lookout, samples: Iterator[Sample]) -> None:
+def feed(lookout: Lookout, samples: Iterator[Sample]) -> None:
     """Give it a run no faster than it watches: a person's run comes in real time."""
     lookout.begin(BOAT)
     for sample in samples:
@@ -38,13 +38,13 @@ def told(lookout: Lookout, samples: Iterator[Sample]) -> None:
 
 def test_what_fails_in_a_run_is_named_and_the_next_run_is_watched_at_once() -> None:
     lookout = Lookout()
-    told(lookout, stream(BEGINS + 5.0, BEGINS, [FAULT]))
-    told(lookout, stream(14.0, 8.0, [FAULT], seed=1))
+    feed(lookout, stream(BEGINS + 5.0, BEGINS, [FAULT]))
+    feed(lookout, stream(14.0, 8.0, [FAULT], seed=1))
     lookout.close()
-    said = lookout.said()
-    assert said[:2] == [LEARNS, WATCHES] and "heading_bias" in said[2]
-    assert said[3:5] == [LEARNS, WATCHES] and "heading_bias" in said[5]
-    assert len(said) == 6
+    result = lookout.messages()
+    assert result[:2] == [LEARNS, WATCHES] and "heading_bias" in result[2]
+    assert result[3:5] == [LEARNS, WATCHES] and "heading_bias" in result[5]
+    assert len(result) == 6
 
 
 def test_the_boat_sails_on_though_its_watch_hangs(lookout: Lookout, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -72,15 +72,15 @@ def test_a_watch_that_breaks_says_so_and_begins_anew_with_the_next_run(
     lookout = Lookout()
     with monkeypatch.context() as patched:
         patched.setattr(Monitor, "feed", lambda self, sample: 1 / 0)
-        told(lookout, stream(0.3))
+        feed(lookout, stream(0.3))
         until(lambda: not lookout.waiting, "the watch has had all samples")
-    told(lookout, stream(31.0))
+    feed(lookout, stream(31.0))
     lookout.close()
-    said = lookout.said()
-    assert said[0] == LEARNS and said[1].startswith("stopped: ") and said[2:] == [LEARNS, WATCHES]
+    result = lookout.messages()
+    assert result[0] == LEARNS and result[1].startswith("stopped: ") and result[2:] == [LEARNS, WATCHES]
 
 
-def test_the_page_is_told_what_fails_in_a_run_and_nothing_where_nothing_does(
+def test_the_page_reports_what_fails_in_a_run_and_nothing_where_nothing_does(
     tmp_path: Path, lookout: Lookout
 ) -> None:
     level = tmp_path / "failing.yaml"

@@ -82,7 +82,7 @@ def test_a_trained_pilot_takes_the_helm_and_gives_it_back(
     assert largest_difference(run, BOAT) == 0.0
 
 
-def test_corrected_runs_are_told_apart_and_the_persons_part_of_them_can_be_learned_from(
+def test_corrected_runs_are_distinguished_and_the_persons_part_of_them_can_be_learned_from(
     tmp_path: Path, trained: dict[str, Pilot]
 ) -> None:
     game = session(tmp_path / "runs", pilots=trained)

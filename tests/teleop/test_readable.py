@@ -63,12 +63,12 @@ def luminance(colour: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def contrasts(page: Page) -> dict[str, float]:
     """Of every text against the middle one of the pixels that lie behind it, as WCAG 2 defines it."""
-    told = page.evaluate(WORDS)
+    result = page.evaluate(WORDS)
     style = page.add_style_tag(content=HIDDEN)
     picture = np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB"), dtype=float)
     style.evaluate("(element) => element.remove()")
     found = {}
-    for words, colour, _, *edges in told:
+    for words, colour, _, *edges in result:
         left, top, right, bottom = (max(round(edge), 0) for edge in edges)
         behind = np.median(picture[top:bottom, left:right].reshape(-1, 3), axis=0)
         *channels, opaque = [*map(float, re.findall(r"[\d.]+", colour)), 1.0][:4]

@@ -79,8 +79,8 @@ def killed(tmp_path: Path) -> Iterator[Callable[[Path, float], set[str]]]:
         assert process.stdin is not None and process.stdout is not None
         process.stdin.write(f"{after} {folder}\n")
         process.stdin.flush()
-        said = list(iter(process.stdout.readline, "killed\n"))
-        return {line.split()[1] for line in said}
+        message = list(iter(process.stdout.readline, "killed\n"))
+        return {line.split()[1] for line in message}
 
     yield kill
     process.stdin.close()
@@ -288,7 +288,7 @@ def test_what_a_killed_recorder_had_half_written_is_cleared_away(tmp_path: Path)
     assert not half.exists()
 
 
-def test_a_disk_that_fills_is_told_and_the_run_can_be_accepted_once_there_is_room(
+def test_a_disk_that_fills_is_reported_and_the_run_can_be_accepted_once_there_is_room(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     game = session(tmp_path / "runs")
@@ -310,7 +310,7 @@ def test_a_disk_that_fills_is_told_and_the_run_can_be_accepted_once_there_is_roo
     assert check_dataset(tmp_path / "runs") == []
 
 
-def test_a_full_dataset_is_told_and_the_run_stays_to_be_taken_in_once_there_is_room(
+def test_a_full_dataset_is_reported_and_the_run_stays_to_be_taken_in_once_there_is_room(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     game = session(tmp_path / "runs")

@@ -40,7 +40,7 @@ def recorder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield address
 
 
-def told(address: str, *parts: str) -> bytes:
+def response(address: str, *parts: str) -> bytes:
     """All that is answered until the connection is closed; each part waits for an answer to the one before.
 
     TimeoutError where it is not closed.
@@ -62,7 +62,7 @@ def told(address: str, *parts: str) -> bytes:
 def test_a_malformed_request_is_refused_and_ended_without_a_traceback(
     recorder: str, request_: str, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
-    answered = told(recorder, request_)
+    answered = response(recorder, request_)
     assert b" 200 " not in answered and (b" 400 " in answered or b" 403 " in answered or not answered)
     assert "Traceback" not in capfd.readouterr().err + caplog.text
 
@@ -70,7 +70,7 @@ def test_a_malformed_request_is_refused_and_ended_without_a_traceback(
 def test_a_body_that_is_malformed_after_its_answer_ends_the_connection_without_a_traceback(
     recorder: str, capfd: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
 ) -> None:
-    answered = told(recorder, f"{POST}\r\n", "-3\r\nabc\r\n")
+    answered = response(recorder, f"{POST}\r\n", "-3\r\nabc\r\n")
     assert answered.count(b"HTTP/1.1 ") == 1 and b" 405 " in answered
     assert "Traceback" not in capfd.readouterr().err + caplog.text
 
@@ -99,7 +99,7 @@ def test_an_upgrade_that_the_library_of_sockets_does_not_read_is_refused_and_end
     recorder: str, more: str, path: str
 ) -> None:
     # It was neither answered nor ended, and 256 of them kept everybody out.
-    assert told(recorder, upgrade(recorder, more, path)).startswith(b"HTTP/1.1 400 ")
+    assert response(recorder, upgrade(recorder, more, path)).startswith(b"HTTP/1.1 400 ")
 
 
 FLOODS = {
@@ -116,7 +116,7 @@ def test_a_socket_that_sends_too_many_bytes_is_ended_whatever_its_frames(
     monkeypatch.setattr(connections, "BYTES", 8000.0)
     monkeypatch.setattr(connections, "MORE_BYTES", 100.0)
     with driving(recorder) as driver:
-        assert told(recorder, upgrade(recorder), flood.decode("latin-1")).startswith(b"HTTP/1.1 101 ")
+        assert response(recorder, upgrade(recorder), flood.decode("latin-1")).startswith(b"HTTP/1.1 101 ")
         driver.send(json.dumps(COMMAND))
         hear(driver, lambda message: message.get("levers") == [0.5, 0.1])
 

@@ -60,7 +60,7 @@ def page(address: str, **headers: str) -> AbstractContextManager[ClientConnectio
     )  # type: ignore[arg-type]
 
 
-def said(part: str) -> Callable[[dict[str, Any]], bool]:
+def has_text(part: str) -> Callable[[dict[str, Any]], bool]:
     return lambda message: message["type"] == "say" and part in message["text"]
 
 
@@ -158,8 +158,8 @@ def test_a_malformed_message_is_refused_logged_and_harms_nobody(
         hear(socket, status(driving=True))
         for text in nonsense:
             socket.send(text)
-            told = hear(socket, said("message"))["text"]
-            assert len(told) < 200 and told.isprintable()
+            output = hear(socket, has_text("message"))["text"]
+            assert len(output) < 200 and output.isprintable()
         socket.send(json.dumps(COMMAND))
         hear(socket, lambda message: message.get("levers") == [0.5, 0.1])
     refusals = [record for record in caplog.records if "refused" in record.message]
@@ -203,19 +203,19 @@ def test_one_drives_the_others_watch_and_the_seat_passes_on(recorder: tuple[str,
             hear(second, status(driving=True, watchers=1))
             for act in (COMMAND, {"type": "act", "act": "retry"}, {"type": "choose", "nickname": "x"}):
                 third.send(json.dumps(act))
-                hear(third, said("you are watching"))
+                hear(third, has_text("you are watching"))
             third.send('{"type": "act", "act": "seat"}')
-            hear(third, said("someone is driving"))
+            hear(third, has_text("someone is driving"))
             second.send('{"type": "act", "act": "seat"}')
             hear(second, status(driving=False))
             third.send('{"type": "act", "act": "seat"}')
             hear(third, status(driving=True))
             second.send(json.dumps(COMMAND))
-            hear(second, said("you are watching"))
+            hear(second, has_text("you are watching"))
         hear(second, status(seat_taken=False))
 
 
-def test_the_seat_of_a_page_that_fell_silent_is_told_to_be_free(
+def test_the_seat_of_a_page_that_fell_silent_is_reported_to_be_free(
     recorder: tuple[str, Hub], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(hub, "SILENCE", 0.5)
@@ -298,8 +298,8 @@ def test_whatever_is_sent_is_a_message_or_a_refusal(text: str | bytes) -> None:
 def test_a_refusal_names_the_key_what_is_allowed_and_the_remedy(message: Any, fault: str) -> None:
     with pytest.raises(UserError) as refused:
         parse(json.dumps(message))
-    told = str(refused.value)
-    assert told.startswith(f"malformed message ({fault}") and told.endswith("); load the page again")
+    text = str(refused.value)
+    assert text.startswith(f"malformed message ({fault}") and text.endswith("); load the page again")
 
 
 @given(

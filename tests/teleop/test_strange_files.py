@@ -18,9 +18,9 @@ def test_links_in_a_folder_of_runs_lead_a_recorder_nowhere(tmp_path: Path) -> No
     unfinished = tmp_path / "runs" / "unfinished"
     (unfinished / "run-0001.json").write_text("{}")
     (unfinished / "run-0001.csv").symlink_to(victim)
-    said: list[str] = []
-    Recordings(tmp_path / "runs", meta(), said.append).close()
-    assert len(said) == 1 and "is a link" in said[0]
+    lines: list[str] = []
+    Recordings(tmp_path / "runs", meta(), lines.append).close()
+    assert len(lines) == 1 and "is a link" in lines[0]
     (unfinished / ".lock").unlink()
     (unfinished / ".lock").symlink_to(victim)
     with pytest.raises(UserError):

@@ -36,7 +36,7 @@ class Finding:
     @property
     def extended_fit(self) -> Fit:
         """The fit of what the files hold: the written effects, and the missing force where written."""
-        return self.extension.fit if self.extension and self.extension.told.written else self.written
+        return self.extension.fit if self.extension and self.extension.result.written else self.written
 
     @property
     def extended(self) -> bool:
@@ -51,4 +51,4 @@ class Finding:
     @property
     def written_curves(self) -> list[dict[str, Any]]:
         """The missing force as entries of the extended boat; none where it is not written."""
-        return self.extension.entries if self.extension and self.extension.told.written else []
+        return self.extension.entries if self.extension and self.extension.result.written else []

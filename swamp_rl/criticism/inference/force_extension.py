@@ -47,9 +47,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ForceExtension:
-    """told: for the diagnosis; less, fit: without the force and with it, on the windows of `problem`."""
+    """result: for diagnosis.json; less, fit: without the force and with it, on the windows of `problem`."""
 
-    told: Extension
+    result: Extension
     problem: Shooting
     less: Fit
     fit: Fit
@@ -99,8 +99,8 @@ def extend_by_force(
     LOG.info("missing force: %s", at.hypothesis.label)
     shares = prediction_shares(problem, less, at, judged, rng)
     gains = held_out_losses(problem, less) - held_out_losses(problem, at)
-    told = _told(problem, at, confirmed_at(gains, comparisons), shares)
-    return ForceExtension(told, problem, less, at)
+    result = _extension(problem, at, confirmed_at(gains, comparisons), shares)
+    return ForceExtension(result, problem, less, at)
 
 
 def is_better(shares: Sequence[Share], confirmed: bool = False) -> bool:
@@ -216,8 +216,8 @@ def _errors(problem: Shooting, at: Fit, judged: Witness, horizon: float) -> Erro
     return Errors(error, run, end)
 
 
-def _told(problem: Shooting, at: Fit, found: Confirmation, shares: list[Share]) -> Extension:
-    """The extension as the diagnosis tells it."""
+def _extension(problem: Shooting, at: Fit, found: Confirmation, shares: list[Share]) -> Extension:
+    """The extension for diagnosis.json."""
     curves = [
         ForceCurve(
             component=curve.component,

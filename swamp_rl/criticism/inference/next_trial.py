@@ -34,11 +34,11 @@ FILE = "next_trial.csv"
 
 @dataclass(frozen=True)
 class Designed:
-    """The next trial: what is told of it; commands (T, 2K), a row each sample step; names and tracks
-    (H, T, 6) of the true motion under each explanation, places from the area's south-west corner.
+    """The next trial: its `result` in diagnosis.json; commands (T, 2K), a row each sample step; names and
+    tracks (H, T, 6) of the true motion under each explanation, places from the area's south-west corner.
     """
 
-    told: NextTrial
+    result: NextTrial
     commands: Array
     names: tuple[str, ...]
     tracks: Array
@@ -74,10 +74,10 @@ def question_of(
     name, unit = components(instance)[place]
     now, mine = float(deviations[column]), winner.hypothesis.columns(instance.label)
     known = not unidentifiable(instance, covariance[np.ix_(mine, mine)])[place]
-    told = Narrowed(
+    narrowed = Narrowed(
         effect=instance.label, parameter=name, unit=unit, before=now, after=now, identifiable=known
     )
-    return Question(run_set, sigmas, (explanation,), column), told
+    return Question(run_set, sigmas, (explanation,), column), narrowed
 
 
 def design_trial(
@@ -113,7 +113,7 @@ def design_trial(
         after = narrows.before / math.sqrt(1.0 + rated.least[best])
         narrows = narrows.model_copy(update={"after": after})
     every = zip(fixed, rated.least, rated.rows, strict=False)  # less the last, which was found
-    told = NextTrial(
+    result = NextTrial(
         file=FILE,
         duration_s=rows * dt,
         hold_s=family.hold * dt,
@@ -132,7 +132,7 @@ def design_trial(
             reverse=True,
         ),
     )
-    return Designed(told, both[best, :rows], tuple(one.label for one in question.explanations), tracks)
+    return Designed(result, both[best, :rows], tuple(one.label for one in question.explanations), tracks)
 
 
 def _undecided(question: Question, narrows: Narrowed | None) -> str:

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 def with_neutral_values(continuation: Continuation, found: Selection) -> Selection:
     """The selection, and its rivals, with every unidentifiable parameter at its neutral value, so that no
-    value is told or written that nothing was measured of: a drag astern of a boat that never went astern.
+    value is reported or written that nothing was measured of: a drag astern of a boat that never went astern.
     """
     winner, *rivals = (_neutral(continuation, one, found.stage) for one in (found.winner, *found.rivals))
     return replace(found, winner=winner, rivals=rivals)

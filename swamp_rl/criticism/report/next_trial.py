@@ -21,7 +21,7 @@ LISTED = 3  # fixed manoeuvres beside the trial
 def next_trial_sentences(trial: NextTrial) -> list[str]:
     """What the trial is, what it is expected to decide, and how much better it is than a fixed manoeuvre."""
     north, east = trial.start_m
-    said = [
+    sentences = [
         f"{trial.file}: {trial.duration_s:.0f} s within {trial.area_m[0]:g} x {trial.area_m[1]:g} m (north x "
         f"east), up to {trial.top_speed:.2g} m/s; start at rest, bow to the north, {north:.1f} m north and "
         f"{east:.1f} m east of the south-west corner"
@@ -29,24 +29,24 @@ def next_trial_sentences(trial: NextTrial) -> list[str]:
     if trial.separates:
         closest = trial.separates[0]
         of = " or more between any two, the least" if len(trial.separates) > 1 else ""
-        said.append(
+        sentences.append(
             f"{closest.separation:.3g} standard errors expected{of} between {readable(closest.effects[0])} "
             f"and {readable(closest.effects[1])}"
         )
     if one := trial.narrows:
         unit = f" {one.unit}" if one.unit != "1" else ""
         now = f"{digits(one.before, 2)}{unit} now" if one.identifiable else "not determined now"
-        said.append(
+        sentences.append(
             f"narrows {one.parameter.replace('_', ' ')} of {readable(one.effect)}: a standard error of "
             f"{digits(one.after, 2)}{unit} expected, {now}"
         )
     if trial.of_list and trial.of_list[0].evidence > 0.0:
         best = trial.of_list[0]
-        said.append(
+        sentences.append(
             f"{trial.evidence / best.evidence:.3g} times the evidence of the best fixed manoeuvre within the "
             f"same limits ({best.manoeuvre})"
         )
-    return said
+    return sentences
 
 
 def next_trial_section(found: Diagnosis, boat: Boat, images: Mapping[str, str]) -> str:
@@ -54,7 +54,7 @@ def next_trial_section(found: Diagnosis, boat: Boat, images: Mapping[str, str]) 
     trial = found.next_trial
     if trial is None:
         return ""
-    listed = "".join(f"<li>{html.escape(said)}</li>" for said in next_trial_sentences(trial))
+    listed = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in next_trial_sentences(trial))
     rows = [("this trial", f"{trial.evidence:.3g}", f"{trial.duration_s:.0f}")]
     rows += [
         (manoeuvre_words(one.manoeuvre, boat), f"{one.evidence:.3g}", f"{one.duration_s:.0f}")
@@ -93,11 +93,11 @@ def draw_next_trial(path: Path, trial: Designed, boat: Boat, dt: float) -> Path:
 
 def _draw_tracks(axes: Any, trial: Designed) -> None:
     """The tracks under each explanation, in the area."""
-    north, east = trial.told.area_m
+    north, east = trial.result.area_m
     axes.plot([0, east, east, 0, 0], [0, 0, north, north, 0], color="#5b6874", lw=1.0)
     for name, track in zip(trial.names, trial.tracks, strict=True):
         axes.plot(track[:, 1], track[:, 0], lw=1.3, label=readable(name))
-    axes.plot(*trial.told.start_m[::-1], "o", color="#222222", ms=4)
+    axes.plot(*trial.result.start_m[::-1], "o", color="#222222", ms=4)
     axes.set(xlabel="east [m]", ylabel="north [m]")
     axes.set_aspect("equal")
     axes.legend(fontsize=7, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=1)

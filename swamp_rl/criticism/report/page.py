@@ -86,10 +86,10 @@ def opening(found: Diagnosis, run_set: RunSet) -> str:
     """The verdict, what must be known before the causes are read, the meaning, and the data."""
     minutes = float(run_set.lengths.sum()) * run_set.dt / 60.0
     first = (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found))
-    said = "".join(f"<p><b>{html.escape(one)}</b></p>" for one in first if one)
+    markup = "".join(f"<p><b>{html.escape(one)}</b></p>" for one in first if one)
     return (
         f'<span class="badge {found.verdict}">{found.verdict.replace("_", " ")}</span>'
-        f"<h1>{html.escape(headline(found))}</h1>{said}<p>{html.escape(meaning(found))}</p>"
+        f"<h1>{html.escape(headline(found))}</h1>{markup}<p>{html.escape(meaning(found))}</p>"
         f'<p class="soft">Boat file <b>{html.escape(run_set.boat.name)}</b> against '
         f"{counted(len(run_set.lengths), 'run')}, {minutes:.1f} minutes in all, "
         f"{1 / run_set.dt:.3g} samples a second.</p>"
@@ -236,13 +236,13 @@ def residual_section(found: Diagnosis, images: Mapping[str, str]) -> str:
         return ""
     rows = [(force_name(one.force), one.variable, f"{one.explained:.0%}") for one in found.leftover]
     heads = ("residual force", "function of", "variance explained on held-out runs")
-    said = f"<h2>Residual forces</h2><p>{html.escape(rest_sentence(found))}</p>"
-    said += table(heads, rows, numbers=(2,)) if rows else ""
+    markup = f"<h2>Residual forces</h2><p>{html.escape(rest_sentence(found))}</p>"
+    markup += table(heads, rows, numbers=(2,)) if rows else ""
     steps = "".join(f"<li>{html.escape(one[0].upper() + one[1:])}.</li>" for one in found.next_steps)
-    said += f"<p>What to do next:</p><ol>{steps}</ol>" if steps else ""
+    markup += f"<p>What to do next:</p><ol>{steps}</ol>" if steps else ""
     if "missing" in images:
-        said += f"<p>{html.escape(shape_sentence(found))}</p>" + image(images["missing"], "Missing force")
-    return said
+        markup += f"<p>{html.escape(shape_sentence(found))}</p>" + image(images["missing"], "Missing force")
+    return markup
 
 
 def gain_section(found: Diagnosis) -> str:
@@ -287,17 +287,19 @@ def limits_section(found: Diagnosis, run_set: RunSet) -> str:
     hidden = html.escape(effects_listed(found.hidden, run_set.boat))
     if not unseen and not hidden and not found.missing_motion:
         return ""
-    said = "<h2>Limits of these data</h2>"
+    markup = "<h2>Limits of these data</h2>"
     if unseen:
-        said += "<p>Not identifiable from these data, whatever the model (the standard error exceeds a third "
-        said += f"of the effect's typical size): {unseen}.</p>"
+        markup += (
+            "<p>Not identifiable from these data, whatever the model (the standard error exceeds a third "
+        )
+        markup += f"of the effect's typical size): {unseen}.</p>"
     if hidden:
-        said += "<p>Identifiable under the measurement noise, but below the error of this model: "
-        said += f"{hidden}.</p>"
+        markup += "<p>Identifiable under the measurement noise, but below the error of this model: "
+        markup += f"{hidden}.</p>"
     if found.missing_motion:
         wanted = "".join(f"<li>{html.escape(one)}</li>" for one in found.missing_motion)
-        said += f"<p>Missing in them, to be recorded next time:</p><ul>{wanted}</ul>"
-    return said
+        markup += f"<p>Missing in them, to be recorded next time:</p><ul>{wanted}</ul>"
+    return markup
 
 
 def details(found: Diagnosis, run_set: RunSet) -> str:

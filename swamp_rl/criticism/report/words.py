@@ -140,7 +140,7 @@ def residual_force_sentence(found: Diagnosis) -> str:
     """The largest residual force and its variable."""
     first = found.leftover[0]
     what = "an error of the " if first.force.startswith("thrust of") else "a "
-    said = (
+    sentence = (
         f"The largest residual is {what}{force_name(first.force)} as a function of {first.variable}, which "
         f"explains {first.explained:.0%} of the residual force's variance on held-out runs."
     )
@@ -150,7 +150,7 @@ def residual_force_sentence(found: Diagnosis) -> str:
         if first.gain - one.gain < EQUAL
         and not (first.variable.startswith("position") and one.variable.startswith("position"))
     ]
-    return said + (f" These data do not separate it from: {'; '.join(equal)}." if equal else "")
+    return sentence + (f" These data do not separate it from: {'; '.join(equal)}." if equal else "")
 
 
 def rest_sentence(found: Diagnosis) -> str:
@@ -285,8 +285,8 @@ def spread_sets(cause: Cause) -> list[tuple[str, str, str, str]]:
         factor, unit = (180.0 / math.pi, "degrees") if one.unit == "rad" else (1.0, one.unit)
         value, low, high = (plain(factor * number) for number in (one.value, one.low, one.high))
         between = "days" if cause.scope == "day" else "runs"
-        said = f"standard deviation of {name.replace('_', ' ')} between {between}"
-        rows.append((said, value, f"{low} to {high}", written(unit)))
+        label = f"standard deviation of {name.replace('_', ' ')} between {between}"
+        rows.append((label, value, f"{low} to {high}", written(unit)))
     return rows
 
 
@@ -302,8 +302,8 @@ def cause_rows(causes: Sequence[Cause], boat: Boat) -> list[tuple[str, ...]]:
         for where, parameters in parameter_sets(cause):
             for parameter, estimate in parameters.items():
                 neutral = neutral_value(cause.effect, parameter, boat)
-                said = parameter.replace("_", " ") + where
-                rows.append((*first, said, *number_cells(estimate), neutral))
+                label = parameter.replace("_", " ") + where
+                rows.append((*first, label, *number_cells(estimate), neutral))
                 first = ("", "")
         rows += [("", "", *cells, "") for cells in spread_sets(cause)]
         if not cause.parameters:
@@ -352,8 +352,8 @@ def files_sentence(found: Diagnosis) -> str:
     weather = [cause for cause in written if LIBRARY[cause.effect].scope != "boat"]
     own = [cause for cause in written if cause not in weather]
     called = [", ".join(dict.fromkeys(cause.effect for cause in part)) for part in (own, weather)]
-    said = f"extended_boat.yaml is the boat file with {called[0] or 'no effect added'}."
+    sentence = f"extended_boat.yaml is the boat file with {called[0] or 'no effect added'}."
     if weather:
         file = "conditions/RUN.yaml of each run" if any(c.groups for c in weather) else "conditions.yaml"
-        said += f" What may differ between runs is not the boat's: {file} has {called[1]}."
-    return said
+        sentence += f" What may differ between runs is not the boat's: {file} has {called[1]}."
+    return sentence

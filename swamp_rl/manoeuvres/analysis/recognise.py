@@ -1,4 +1,4 @@
-"""Which manoeuvre a run holds and where its phases begin: told by its meta, or found in its commands."""
+"""Which manoeuvre a run holds and where its phases begin: from its metadata or from its commands."""
 
 import math
 from dataclasses import dataclass
@@ -41,7 +41,7 @@ class Recognised:
 
 
 def recognised(meta: RunMeta, motion: Motion, name: str) -> Recognised:
-    """The manoeuvre of a run; UserError with one line where none is told and none can be found.
+    """The manoeuvre of a run; UserError with one line where its metadata name none and none can be found.
 
     dataset.yaml may tell `manoeuvre`, a kind or a mapping with a key `kind`, and `marks`.
     """
@@ -66,20 +66,20 @@ def recognised(meta: RunMeta, motion: Motion, name: str) -> Recognised:
 
 def _setting(meta: RunMeta, name: str) -> dict[str, Any]:
     """What the meta of the run `name` tells of its manoeuvre; UserError for a value that no manoeuvre has."""
-    told = (meta.model_extra or {}).get("manoeuvre")
-    setting = told if isinstance(told, dict) else {"kind": told} if told else {}
+    entry = (meta.model_extra or {}).get("manoeuvre")
+    setting = entry if isinstance(entry, dict) else {"kind": entry} if entry else {}
     for key, value in setting.items():
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if key in LARGEST and not (number and abs(value) <= LARGEST[key]):
-            said = f"must be a number from {-LARGEST[key]:.3g} to {LARGEST[key]:.3g}"
+            allowed = f"must be a number from {-LARGEST[key]:.3g} to {LARGEST[key]:.3g}"
         elif number and not math.isfinite(value):
-            said = "must be a finite number"
+            allowed = "must be a finite number"
         elif not isinstance(value, str | int | float | None) or not isinstance(key, str):
-            said = "must be a number, a text, true or false"
+            allowed = "must be a number, a text, true or false"
         else:
             continue
-        told = f"manoeuvre: {clipped(key)}: {said}, not {clipped(repr(value))}"
-        raise UserError(f"run {name}: {told}; correct dataset.yaml")
+        entry = f"manoeuvre: {clipped(key)}: {allowed}, not {clipped(repr(value))}"
+        raise UserError(f"run {name}: {entry}; correct dataset.yaml")
     return setting
 
 

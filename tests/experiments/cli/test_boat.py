@@ -16,10 +16,10 @@ SIZES = ["--length", 1.2, "--breadth", 0.5, "--mass", 30, "--thrust", 40]
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_new_boat_is_written_under_its_name_and_checked(call: Call, kind: str) -> None:
-    code, said, _ = call("boat", "new", "skiff", "--kind", kind, *SIZES)
+    code, message, _ = call("boat", "new", "skiff", "--kind", kind, *SIZES)
     assert (code, [path.name for path in Path().iterdir()]) == (0, ["skiff.yaml"])
-    assert "skiff.yaml" in said and load_boat("skiff.yaml").name == "skiff"
-    code, said, _ = call("boat", "check", "skiff.yaml")
+    assert "skiff.yaml" in message and load_boat("skiff.yaml").name == "skiff"
+    code, message, _ = call("boat", "check", "skiff.yaml")
     assert code == 0
     for part in (
         "assumed",
@@ -29,12 +29,12 @@ def test_a_new_boat_is_written_under_its_name_and_checked(call: Call, kind: str)
         "turning circle at -",
         "stopping",
     ):
-        assert part in said
+        assert part in message
 
 
 def test_the_command_that_checks_a_new_boat_can_be_pasted(call: Call) -> None:
-    _, said, _ = call("boat", "new", "skiff", "--kind", "outboard", *SIZES, "--out", "my skiff.yaml")
-    words = shlex.split(said.partition("check it with: ")[2])
+    _, message, _ = call("boat", "new", "skiff", "--kind", "outboard", *SIZES, "--out", "my skiff.yaml")
+    words = shlex.split(message.partition("check it with: ")[2])
     assert words == ["swamp-rl", "boat", "check", "my skiff.yaml"]
 
 
@@ -53,7 +53,7 @@ def test_the_check_writes_a_report_with_its_figures(call: Call) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["skiff", "--kind", "sail", *SIZES], "--kind sail"),
         (["../skiff", "--kind", "azimuth", *SIZES], "a boat's name has letters"),
@@ -76,9 +76,9 @@ def test_the_check_writes_a_report_with_its_figures(call: Call) -> None:
     ],
 )
 def test_what_cannot_be_a_boat_is_one_line_and_leaves_nothing(
-    call: Call, words: list[object], told: str
+    call: Call, words: list[object], message: str
 ) -> None:
-    assert_complains(call("boat", "new", *words), told)
+    assert_complains(call("boat", "new", *words), message)
     assert list(Path().iterdir()) == []
 
 
@@ -88,7 +88,7 @@ def test_an_existing_file_is_not_replaced(call: Call) -> None:
     assert Path("skiff.yaml").read_text() == "mine"
 
 
-def test_every_fault_of_a_file_is_told_at_once(call: Call) -> None:
+def test_every_fault_of_a_file_is_reported_at_once(call: Call) -> None:
     Path("odd.yaml").write_text("extends: swamp\nmass: heavy\nhull: {c_d: -1.0}\ncolour: red\n")
     code, _, error = call("boat", "check", "odd.yaml")
     assert code == 2
@@ -104,9 +104,9 @@ def test_the_thrust_of_a_large_boat_has_no_exponent(call: Call) -> None:
 
 def test_the_check_of_an_unstable_boat_names_the_yaw_damping_that_makes_it_stable(call: Call) -> None:
     call("boat", "new", "skiff", "--kind", "outboard", *SIZES)
-    said = call("boat", "check", "skiff.yaml")[1]
-    assert "straight-line stability at full ahead: unstable" in said
-    limit = float(said.partition("below hull.n_r ")[2].split()[0])
+    message = call("boat", "check", "skiff.yaml")[1]
+    assert "straight-line stability at full ahead: unstable" in message
+    limit = float(message.partition("below hull.n_r ")[2].split()[0])
     Path("finned.yaml").write_text(f"extends: ./skiff.yaml\nname: finned\nhull: {{n_r: {1.1 * limit}}}\n")
     assert "at full ahead: stable" in call("boat", "check", "finned.yaml")[1]
 
@@ -128,8 +128,10 @@ def test_nothing_is_wrong_with_a_large_boat_about_its_own_runs(
     assert json.loads(Path("diagnosis/diagnosis.json").read_text())["verdict"] == "nothing_wrong"
 
 
-def test_sizes_that_no_boat_has_are_told_once_with_the_options_to_check(call: Call) -> None:
+def test_sizes_that_no_boat_has_are_reported_once_with_the_options_to_check(call: Call) -> None:
     sizes = ["--length", 3, "--breadth", 1.2, "--mass", 350000, "--thrust", 1100]
-    told = call("boat", "new", "skiff", "--kind", "waterjet", *sizes)
-    assert_complains(told, "draught / length is 63.2; that of boats is within [0.005, 0.6]; check --length")
-    assert told[2].count("check") == 1
+    message = call("boat", "new", "skiff", "--kind", "waterjet", *sizes)
+    assert_complains(
+        message, "draught / length is 63.2; that of boats is within [0.005, 0.6]; check --length"
+    )
+    assert message[2].count("check") == 1

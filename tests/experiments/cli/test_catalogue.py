@@ -25,7 +25,7 @@ def test_every_effect_is_listed_once_with_all_its_parameters_units_and_source(ca
         assert effect.description in block
         assert f"source: {effect.source}" in listed
         one = lines(call, "effects", effect.name)
-        said = (
+        entries = (
             "  thruster:",
             "  component, ",
             "  formula: ",
@@ -33,14 +33,14 @@ def test_every_effect_is_listed_once_with_all_its_parameters_units_and_source(ca
             "  may differ",
             "  never a cause",
         )
-        told = [line for line in one[2:] if not line.startswith(said)]
-        assert len(told) == len(effect.parameters)
-        for line, parameter in zip(told, effect.parameters, strict=True):
+        rows = [line for line in one[2:] if not line.startswith(entries)]
+        assert len(rows) == len(effect.parameters)
+        for line, parameter in zip(rows, effect.parameters, strict=True):
             assert line.startswith(f"  {parameter.name}: ") and f"[{parameter.unit}]" in line
         assert any(line.startswith("  thruster:") for line in one) == (effect.selects or effect.curve)
 
 
-def test_an_effects_bounds_neutral_value_and_whether_it_must_be_given_are_told(call: Call) -> None:
+def test_an_effects_bounds_neutral_value_and_whether_it_must_be_given_are_reported(call: Call) -> None:
     (speed,) = (line for line in lines(call, "effects", "wind") if line.startswith("  speed"))
     assert speed == "  speed: at least 0 and at most 200 [m/s]; neutral: 0; must be given"
     assert "  mass: above 0 [kg]; neutral: the boat file's" in lines(call, "effects", "mass")
@@ -48,16 +48,18 @@ def test_an_effects_bounds_neutral_value_and_whether_it_must_be_given_are_told(c
 
 @pytest.mark.parametrize("kind", ["boats", "courses"])
 def test_every_shipped_file_is_listed(call: Call, kind: str) -> None:
-    told = [line.split()[0].rstrip(":") for line in lines(call, kind) if not line.startswith(" ")]
-    assert told == sorted(path.stem for path in (CONFIGS / kind).glob("*.yaml"))
+    message = [line.split()[0].rstrip(":") for line in lines(call, kind) if not line.startswith(" ")]
+    assert message == sorted(path.stem for path in (CONFIGS / kind).glob("*.yaml"))
 
 
-def test_a_boat_is_told_number_by_number(call: Call) -> None:
-    told = lines(call, "boats", "swamp")
-    assert len(told) == len(load_boat("swamp").provenance)
-    assert "mass = 58 [kg], measured: thesis 4.4.1 and 8.1.3, full load" in told
-    assert "thrusters.ss.x = -0.35 [m], measured: thesis 5.7.1" in told
-    assert any(line.startswith("resistance.table.0.speed = 0.5, 0.62, 0.74, 0.88, 1 [m/s]") for line in told)
+def test_a_boat_is_reported_number_by_number(call: Call) -> None:
+    message = lines(call, "boats", "swamp")
+    assert len(message) == len(load_boat("swamp").provenance)
+    assert "mass = 58 [kg], measured: thesis 4.4.1 and 8.1.3, full load" in message
+    assert "thrusters.ss.x = -0.35 [m], measured: thesis 5.7.1" in message
+    assert any(
+        line.startswith("resistance.table.0.speed = 0.5, 0.62, 0.74, 0.88, 1 [m/s]") for line in message
+    )
 
 
 def test_a_boat_file_by_its_path_tells_its_effects(call: Call, tmp_path: Path) -> None:
@@ -65,10 +67,10 @@ def test_a_boat_file_by_its_path_tells_its_effects(call: Call, tmp_path: Path) -
     assert lines(call, "boats", "mine.yaml")[-1] == "effect current: north 0.1 m/s, east 0 m/s"
 
 
-def test_a_course_is_told_in_degrees_and_metres(call: Call) -> None:
-    told = lines(call, "courses", "camogli")
-    assert told[0] == "camogli: 2 gates, time limit 120 s"
-    assert "  gate red: north 22, east 8 m, width 4 m, passed towards 0 deg" in told
+def test_a_course_is_reported_in_degrees_and_metres(call: Call) -> None:
+    message = lines(call, "courses", "camogli")
+    assert message[0] == "camogli: 2 gates, time limit 120 s"
+    assert "  gate red: north 22, east 8 m, width 4 m, passed towards 0 deg" in message
 
 
 def test_every_kind_of_pilot_tells_its_options_with_default_and_bounds(call: Call) -> None:

@@ -124,7 +124,7 @@ def test_what_does_not_exist_is_named_and_nothing_is_written(call: Call, words: 
 
 
 @pytest.mark.parametrize("words", [["runs", "check"], ["evaluate"], ["boat", "check"]])
-def test_a_name_with_a_line_end_is_told_on_one_line(call: Call, words: list[str]) -> None:
+def test_a_name_with_a_line_end_is_reported_on_one_line(call: Call, words: list[str]) -> None:
     assert_complains(call(*words, "no\nsuch"), "no such")
 
 
@@ -170,7 +170,7 @@ def test_show_of_runs_without_outcomes_and_seeds_has_no_column_for_them(call: Ca
 
 
 @pytest.mark.parametrize("course", ["camogli", "nowhere-known"])
-def test_show_draws_where_it_is_told_whether_or_not_it_knows_the_course(
+def test_show_draws_where_it_is_reported_whether_or_not_it_knows_the_course(
     call: Call, folder: Path, course: str
 ) -> None:
     text = (folder / "dataset.yaml").read_text()
@@ -281,9 +281,9 @@ def raising(error: BaseException) -> Callable[..., None]:
 
 def test_a_full_disk_or_memory_is_one_line(call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     full = OSError(errno.ENOSPC, "Full")
-    for error, told in (full, "a.csv: Full; free some room"), (MemoryError(), "no memory is left; ask"):
+    for error, message in (full, "a.csv: Full; free some room"), (MemoryError(), "no memory is left; ask"):
         monkeypatch.setattr(os, "fsync", raising(error))
-        assert_complains(call("simulate", "--commands", folder / "one.csv", "--out", "a.csv"), told)
+        assert_complains(call("simulate", "--commands", folder / "one.csv", "--out", "a.csv"), message)
         assert not Path("a.csv").exists()
 
 

@@ -33,8 +33,8 @@ def results(tmp_path: Path) -> Path:
     folder = tmp_path / "camogli"
     dataset(folder / "data", "human", ["run-1", "run-2"])
     dataset(folder / "driven" / "reservoir", "learned", ["reservoir-0", "reservoir-1"])
-    told = {"race": {"runs": {"human": "run-2", "reservoir": "reservoir-1"}}, "data": {"source": "human"}}
-    (folder / "results.json").write_text(json.dumps(told))
+    message = {"race": {"runs": {"human": "run-2", "reservoir": "reservoir-1"}}, "data": {"source": "human"}}
+    (folder / "results.json").write_text(json.dumps(message))
     return folder
 
 
@@ -62,8 +62,8 @@ def test_two_datasets_of_one_source_stay_apart(tmp_path: Path) -> None:
 def test_a_run_is_shown_under_who_had_the_helm_and_the_persons_nickname(tmp_path: Path) -> None:
     create_dataset(tmp_path / "a", described(source="human"))
     for name, helm in (("x", "person"), ("y", "pilot"), ("z", "both")):
-        told = RunMeta.model_validate({"helm": helm, "pilot": "reservoir", "nickname": "Ada"})
-        append_run(tmp_path / "a", Run(name, circling(), told))
+        meta = RunMeta.model_validate({"helm": helm, "pilot": "reservoir", "nickname": "Ada"})
+        append_run(tmp_path / "a", Run(name, circling(), meta))
     assert labels([tmp_path / "a"]) == ["human/x", "reservoir/y", "human and reservoir/z"]
     scene = read_shown([tmp_path / "a"], ["x"], "gate")
     assert scene.called(scene.shown[0]) == "human Ada"
@@ -87,7 +87,9 @@ def test_what_cannot_be_shown_is_said(results: Path, tmp_path: Path) -> None:
         ("[1, 2]", "holds no JSON object"),
     ],
 )
-def test_damaged_results_are_told_without_the_words_of_python(results: Path, text: str, fault: str) -> None:
+def test_damaged_results_are_reported_without_the_words_of_python(
+    results: Path, text: str, fault: str
+) -> None:
     (results / "results.json").write_text(text)
     with pytest.raises(UserError) as refused:
         labels([results])
@@ -118,7 +120,7 @@ def test_what_is_asked_wrongly_is_one_line(
         other.listen()
         taken = str(other.getsockname()[1])
         assert_complains(call("demo", results, *[taken if one == "TAKEN" else one for one in words]), part)
-    if not words:  # a missing source is told before a missing display
+    if not words:  # a missing source is reported before a missing display
         assert_complains(call("demo", "nowhere"), "nowhere: no such file or folder")
 
 
@@ -175,8 +177,8 @@ def test_a_damaged_pilot_of_the_package_asks_for_a_new_installation(
 
 
 @pytest.mark.timed
-@pytest.mark.parametrize("told", [signal.SIGTERM, signal.SIGHUP], ids=["terminated", "terminal closed"])
-def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results: Path, told: int) -> None:
+@pytest.mark.parametrize("result", [signal.SIGTERM, signal.SIGHUP], ids=["terminated", "terminal closed"])
+def test_the_web_viewer_listens_on_this_machine_only_and_ends_on_request(results: Path, result: int) -> None:
     process = started("demo", results, "--web")
     assert process.stdout is not None
     try:
@@ -194,10 +196,10 @@ def test_the_web_viewer_listens_on_this_machine_only_and_ends_when_told(results:
         assert len(listening) == 2
         assert any(address.startswith(f"http://127.0.0.1:{place.port}/?url=") for place in listening)
     finally:
-        process.send_signal(told)
-        process.send_signal(told)
-        _, said = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 128 + told
-    assert said.count("\n") == 1 and "ended in order" in said
+        process.send_signal(result)
+        process.send_signal(result)
+        _, reported = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 128 + result
+    assert reported.count("\n") == 1 and "ended in order" in reported
     gone, left = psutil.wait_procs(children, timeout=PATIENCE)
     assert left == [] and len(gone) == len(children)

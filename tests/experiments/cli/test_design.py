@@ -34,20 +34,20 @@ def rows(path: Path) -> list[dict[str, str]]:
 
 @pytest.mark.parametrize(("kind", "name"), list(WRITTEN))
 def test_a_design_writes_its_tables_figure_and_file(kind: str, name: str, call: Call, tmp_path: Path) -> None:
-    code, said, complaint = call("design", kind, name, "--out", "out")
+    code, message, complaint = call("design", kind, name, "--out", "out")
     assert (code, complaint) == (0, "")
     assert {path.name for path in (tmp_path / "out").iterdir()} == COMMON | WRITTEN[kind, name]
     assert {path.name for path in tmp_path.iterdir()} == {"out"}
     result = json.loads((tmp_path / "out" / "design.json").read_text())
     assert result["design"] == kind
     for table, units in result["units"].items():
-        assert table in said
+        assert table in message
         (first, *_) = rows(tmp_path / "out" / table)
         assert list(first) == list(units)
     (picture,) = (tmp_path / "out").glob("*.png")
     assert picture.read_bytes().startswith(b"\x89PNG")
     again = call("design", kind, "out/design.yaml", "--out", "out")
-    assert again[0] == 0 and again[1] == said
+    assert again[0] == 0 and again[1] == message
 
 
 def test_a_boat_takes_the_pump_jets_thrust(call: Call, tmp_path: Path) -> None:
@@ -74,7 +74,7 @@ def test_a_boat_takes_the_hulls_draught(call: Call, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         (["pump-jet", "swamp_hull"], "design: is 'hull'"),
         (["hull", "swamp_hul"], "did you mean 'swamp_hull'"),
@@ -84,14 +84,14 @@ def test_a_boat_takes_the_hulls_draught(call: Call, tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_designed_is_one_line_and_nothing_written(
-    words: list[str], told: str, call: Call, tmp_path: Path
+    words: list[str], message: str, call: Call, tmp_path: Path
 ) -> None:
-    assert_complains(call("design", *words, "--out", "out"), told)
+    assert_complains(call("design", *words, "--out", "out"), message)
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
-    ("kind", "name", "keys", "told"),
+    ("kind", "name", "keys", "message"),
     [
         ("pump-jet", "swamp_pump_jet", {"thrust": 60.0}, "no solution"),
         ("hull", "swamp_hull", {"depth": 0.15, "wigley_draught": 0.15, "cut": 0.05}, "swamp hull"),
@@ -99,7 +99,7 @@ def test_what_cannot_be_designed_is_one_line_and_nothing_written(
     ],
 )
 def test_a_design_without_a_solution_leaves_an_earlier_one_alone(
-    kind: str, name: str, keys: dict[str, Any], told: str, call: Call, tmp_path: Path
+    kind: str, name: str, keys: dict[str, Any], message: str, call: Call, tmp_path: Path
 ) -> None:
     path, out = own(name, tmp_path / "own.yaml", **keys), tmp_path / "out"
     out.mkdir()
@@ -107,7 +107,7 @@ def test_a_design_without_a_solution_leaves_an_earlier_one_alone(
     if kind == "hull":
         given = read_yaml(path)["conditions"]
         write_yaml(path, read_yaml(path) | {"conditions": [given[0] | {"draught": 0.15}]})
-    assert_complains(call("design", kind, path, "--out", "out"), told)
+    assert_complains(call("design", kind, path, "--out", "out"), message)
     assert [path.name for path in out.iterdir()] == ["design.json"]
 
 
@@ -119,7 +119,7 @@ def test_a_folder_of_something_else_is_not_replaced(call: Call, tmp_path: Path) 
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["letter.txt"]
 
 
-def test_a_vane_angle_outside_of_the_efficient_range_is_told(call: Call, tmp_path: Path) -> None:
+def test_a_vane_angle_outside_of_the_efficient_range_is_reported(call: Call, tmp_path: Path) -> None:
     path = own("swamp_pump_jet", tmp_path / "jet.yaml", revolutions=30.0)
-    code, said, _ = call("design", "pump-jet", path, "--out", "out")
-    assert code == 0 and "outside of 15 to 35 deg" in said
+    code, message, _ = call("design", "pump-jet", path, "--out", "out")
+    assert code == 0 and "outside of 15 to 35 deg" in message

@@ -9,10 +9,10 @@ from tests.support.command_line import Call, assert_complains
 
 def test_a_fleet_of_which_none_is_diagnosed_ends_with_1_and_keeps_its_report(call: Call) -> None:
     Path("empty").mkdir()
-    code, said, _ = call("fleet", "empty", "--out", "out", "--workers", "1")
+    code, message, _ = call("fleet", "empty", "--out", "out", "--workers", "1")
     assert code == 1
-    assert "empty/dataset.yaml: is missing" in said
-    assert "0 of 0 causes kept, 1 of 1 datasets not diagnosed" in said
+    assert "empty/dataset.yaml: is missing" in message
+    assert "0 of 0 causes kept, 1 of 1 datasets not diagnosed" in message
     assert Path("out/fleet.json").is_file()
 
 
@@ -34,8 +34,8 @@ def test_a_fleet_says_which_folder_is_a_boat(call: Call) -> None:
 def test_a_fleet_without_its_cluster_leaves_no_folder(call: Call) -> None:
     assert call("record-scripted", "--out", "red", "--count", "1")[0] == 0
     pytest.importorskip("ray", reason="Ray is not installed")
-    for address, told in (("", "--ray is empty"), ("127.0.0.1:1", "no cluster answers")):
-        assert_complains(call("fleet", "red", "--out", "out", "--ray", address), told)
+    for address, message in (("", "--ray is empty"), ("127.0.0.1:1", "no cluster answers")):
+        assert_complains(call("fleet", "red", "--out", "out", "--ray", address), message)
     assert not Path("out").exists()
 
 
@@ -50,7 +50,7 @@ def test_a_fleet_that_ignores_an_unknown_measurement_is_refused_before_anything_
 def test_a_fleet_with_an_unknown_boat_is_refused_before_anything_is_written(call: Call) -> None:
     for folder in ("boats/red", "boats/blue"):
         Path(folder).mkdir(parents=True)
-    code, _, told = call("fleet", "boats/red", "boats/blue", "--boat", "swampy", "--out", "out")
+    code, _, message = call("fleet", "boats/red", "boats/blue", "--boat", "swampy", "--out", "out")
     assert code == 2
-    assert told.count("no boat file named 'swampy'") == 1
+    assert message.count("no boat file named 'swampy'") == 1
     assert not Path("out").exists()

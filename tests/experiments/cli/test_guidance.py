@@ -22,25 +22,25 @@ def _path(tmp_path: Path) -> None:
 
 
 def test_a_followed_path_is_a_dataset_with_errors_energy_and_figure(call: Call, tmp_path: Path) -> None:
-    code, said, complaint = call("follow", "mine.yaml", "--disturbances", "standard", "--out", "out")
+    code, message, complaint = call("follow", "mine.yaml", "--disturbances", "standard", "--out", "out")
     assert (code, complaint) == (0, "")
-    assert "cross track error" in said
+    assert "cross track error" in message
     assert check_dataset(tmp_path / "out") == []
-    told = json.loads((tmp_path / "out/analysis/result.json").read_text())
+    data = json.loads((tmp_path / "out/analysis/result.json").read_text())
     with (tmp_path / "out/analysis/track.csv").open() as file:
         across = [abs(float(row["across"])) for row in csv.DictReader(file)]
-    assert told["completed"]
-    assert told["cross_track_error"]["max"] == pytest.approx(max(across))
-    assert told["electric_energy"] > 0.0
+    assert data["completed"]
+    assert data["cross_track_error"]["max"] == pytest.approx(max(across))
+    assert data["electric_energy"] > 0.0
     assert (tmp_path / "out/analysis/track.png").stat().st_size > 1000
     assert call("follow", "mine.yaml", "--out", "out")[0] == 0  # its own result may be replaced
 
 
 def test_a_boat_follows_the_run_of_another(call: Call, tmp_path: Path) -> None:
     assert call("follow", "mine.yaml", "--out", "ahead")[0] == 0
-    code, said, complaint = call("follow-vehicle", "ahead/path.parquet", "--behind", "4", "--out", "out")
+    code, message, complaint = call("follow-vehicle", "ahead/path.parquet", "--behind", "4", "--out", "out")
     assert (code, complaint) == (0, "")
-    assert "gap error" in said
+    assert "gap error" in message
     assert check_dataset(tmp_path / "out") == []
 
 
@@ -53,9 +53,9 @@ def test_a_run_of_it_replays_to_itself(call: Call, tmp_path: Path) -> None:
 
 
 def test_a_station_is_held_and_one_that_cannot_be_is_refused(call: Call, tmp_path: Path) -> None:
-    code, said, _ = call("hold", "--duration", 20, "--current", 0.2, "--wind", 4, "--out", "out")
+    code, message, _ = call("hold", "--duration", 20, "--current", 0.2, "--wind", 4, "--out", "out")
     assert code == 0
-    assert "can hold at heading" in said
+    assert "can hold at heading" in message
     assert check_dataset(tmp_path / "out") == []
     assert_complains(call("hold", "--current", 5, "--out", "far"), "cannot hold")
     assert_complains(call("hold", "--boat", "esso_osaka", "--out", "far"), "bow in a current or wind")
@@ -78,20 +78,20 @@ def test_what_cannot_be_followed_leaves_nothing(call: Call, tmp_path: Path) -> N
 
 
 def test_a_capability_plot_holds_a_row_for_each_direction(call: Call, tmp_path: Path) -> None:
-    code, said, complaint = call("capability", "swamp", "--failed", "bs", "--out", "out")
+    code, message, complaint = call("capability", "swamp", "--failed", "bs", "--out", "out")
     assert (code, complaint) == (0, "")
-    assert "wind [m/s]" in said
-    told = json.loads((tmp_path / "out/capability.json").read_text())
+    assert "wind [m/s]" in message
+    data = json.loads((tmp_path / "out/capability.json").read_text())
     with (tmp_path / "out/capability.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert [float(row["wind"]) for row in rows] == pytest.approx(told["wind"], rel=1e-6)
+    assert [float(row["wind"]) for row in rows] == pytest.approx(data["wind"], rel=1e-6)
     assert len(rows) == 36
     assert (tmp_path / "out/capability.png").is_file()
 
 
-def test_a_wind_that_is_the_greatest_tried_is_told_as_such(call: Call) -> None:
+def test_a_wind_that_is_the_greatest_tried_is_reported_as_such(call: Call) -> None:
     sizes = ("--length", 15, "--breadth", 5, "--mass", 40000, "--thrust", 60000)
     call("boat", "new", "tug", "--kind", "azimuth", *sizes)
-    said = call("capability", "tug.yaml", "--out", "out")[1]
-    assert "wind [m/s]: from ahead at least 60.00, least 4" in said
-    assert "current [m/s]: from ahead 5.1" in said
+    message = call("capability", "tug.yaml", "--out", "out")[1]
+    assert "wind [m/s]: from ahead at least 60.00, least 4" in message
+    assert "current [m/s]: from ahead 5.1" in message

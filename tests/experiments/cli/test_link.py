@@ -24,21 +24,21 @@ def test_a_pilot_drives_a_served_vehicle_and_its_log_is_a_dataset(
     vehicle = vehicle_of(Conduct(), own_network().text)
     with served(vehicle, speed=1.0):
         for number in range(VOYAGES):
-            code, said, refused = call(
+            code, message, refused = call(
                 *("helm", "line-of-sight", "--link", vehicle.addresses.text),
                 *("--seconds", "2", "--log", f"log-{number}"),
             )
             if BROKEN not in refused:
                 break
-    assert code == 0 and "99th percentile" in said
+    assert code == 0 and "99th percentile" in message
     assert len(read_dataset(tmp_path / f"log-{number}").runs[0].time) >= 10
     assert not any(module.runs(0) for module in vehicle.modules)
 
 
 def test_a_vehicle_writes_a_log_that_is_imported(call: Call, tmp_path: Path) -> None:
     address = own_network().text
-    code, said, _ = call("vehicle", "swamp", "--address", address, "--seconds", "1", "--log", "v.log")
-    assert code == 0 and "ignored: none" in said
+    code, message, _ = call("vehicle", "swamp", "--address", address, "--seconds", "1", "--log", "v.log")
+    assert code == 0 and "ignored: none" in message
     assert call("runs", "import", "v.log", "--from", "telemetry", "--out", "runs")[0] == 0
     run = read_dataset(tmp_path / "runs").runs[0]
     assert {"azimuth_bs", "throttle_sp", "applied_throttle_bp"} <= set(run.columns)

@@ -22,9 +22,9 @@ def _mission(tmp_path: Path) -> None:
 
 
 def test_a_mission_writes_report_figure_rows_and_figures(call: Call, tmp_path: Path) -> None:
-    code, said, complaint = call("mission", "mine.yaml", "--out", "out folder")
+    code, message, complaint = call("mission", "mine.yaml", "--out", "out folder")
     assert (code, complaint) == (0, "")
-    assert "state of charge at the end: starboard 0.99" in said
+    assert "state of charge at the end: starboard 0.99" in message
     out = tmp_path / "out folder"
     assert {path.name for path in out.iterdir()} == {
         WRITTEN,
@@ -33,12 +33,12 @@ def test_a_mission_writes_report_figure_rows_and_figures(call: Call, tmp_path: P
         "mission.csv",
         "mission.png",
     }
-    told = json.loads((out / "mission.json").read_text())
+    data = json.loads((out / "mission.json").read_text())
     with (out / "mission.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 41
-    assert float(rows[-1]["charge_port"]) == pytest.approx(told["charge"][1], abs=1e-8)
-    assert told["legs"][0]["distance"] == pytest.approx(told["distance"])
+    assert float(rows[-1]["charge_port"]) == pytest.approx(data["charge"][1], abs=1e-8)
+    assert data["legs"][0]["distance"] == pytest.approx(data["distance"])
     of_jets = [float(rows[-1][f"thruster_power_{name}"]) for name in ("bs", "ss")]
     assert float(rows[-1]["power_starboard"]) == pytest.approx(sum(of_jets) + 88.0)  # the hotel load
     assert call("mission", "mine.yaml", "--out", "out folder")[0] == 0  # its own result may be replaced
@@ -60,7 +60,7 @@ def test_a_refused_mission_leaves_nothing(call: Call, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("boat", ["../../evil.yaml", "swmap", ""])
-def test_a_boat_that_the_file_names_and_that_is_not_there_is_told_by_file_and_key(
+def test_a_boat_that_the_file_names_and_that_is_not_there_is_reported_by_file_and_key(
     boat: str, call: Call, tmp_path: Path
 ) -> None:
     (tmp_path / "odd.yaml").write_text(MINE.replace("swamp", f'"{boat}"').format(charge=1.0))

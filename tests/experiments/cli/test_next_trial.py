@@ -8,7 +8,7 @@ from tests.support.command_line import Call, assert_complains
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--next", "1x1"], "4.96 m each way"),
         (["--next", "40x40ft"], "without a unit"),
@@ -17,6 +17,8 @@ from tests.support.command_line import Call, assert_complains
         (["--next", "40x40", "--throttle", "2"], "--throttle 2"),
     ],
 )
-def test_wrong_limits_are_one_line_before_anything_is_read(call: Call, words: list[str], said: str) -> None:
-    assert_complains(call("diagnose", "nowhere", "--boat", "swamp", "--out", "a", *words), said)
+def test_wrong_limits_are_one_line_before_anything_is_read(
+    call: Call, words: list[str], message: str
+) -> None:
+    assert_complains(call("diagnose", "nowhere", "--boat", "swamp", "--out", "a", *words), message)
     assert not Path("a").exists()

@@ -45,7 +45,7 @@ def test_nothing_is_written_into_a_dataset(call: Call, dataset: dict[str, str], 
 
 
 @pytest.mark.parametrize(
-    ("words", "told"),
+    ("words", "message"),
     [
         ("hold --out here.html", "here.html: a folder is written here, and .html ends the name of a file"),
         ("mission survey --out charge.PNG", "charge.PNG: a folder is written here"),
@@ -57,8 +57,8 @@ def test_nothing_is_written_into_a_dataset(call: Call, dataset: dict[str, str], 
         ("bench --out speed.txt", "--out speed.txt: end the name in .json"),
     ],
 )
-def test_an_output_is_what_its_suffix_says(call: Call, words: str, told: str) -> None:
-    assert_complains(call(*words.split()), told)
+def test_an_output_is_what_its_suffix_says(call: Call, words: str, message: str) -> None:
+    assert_complains(call(*words.split()), message)
     assert not list(Path().iterdir())
 
 
@@ -68,8 +68,8 @@ def test_a_file_that_is_read_is_not_replaced(call: Call, dataset: dict[str, str]
     Path("apart/same.parquet").hardlink_to("apart/run.parquet")
     before = Path("apart/run.parquet").read_bytes()
     for out in ("apart/run.parquet", "apart/../apart/run.parquet", "apart/same.parquet"):
-        said = call("simulate", "--commands", "apart/run.parquet", "--out", out)
-        assert_complains(said, out, "already exists and is read by this command", "name another file")
+        message = call("simulate", "--commands", "apart/run.parquet", "--out", out)
+        assert_complains(message, out, "already exists and is read by this command", "name another file")
     assert Path("apart/run.parquet").read_bytes() == before
 
 
@@ -102,8 +102,10 @@ def test_tracks_are_drawn_anew_for_the_same_runs_and_not_over_those_of_others_of
     for _ in range(2):
         assert call("runs", "show", "runs")[0] == 0
     drawn = Path("results/runs-tracks.png").read_bytes()
-    said = call("runs", "show", "other/runs")
-    assert_complains(said, "--out results/runs-tracks.png: already exists; name another file, or remove it")
+    message = call("runs", "show", "other/runs")
+    assert_complains(
+        message, "--out results/runs-tracks.png: already exists; name another file, or remove it"
+    )
     assert Path("results/runs-tracks.png").read_bytes() == drawn
     assert call("runs", "show", "other/runs", "--out", "other.png")[0] == 0
 

@@ -34,8 +34,8 @@ def test_the_seconds_of_a_diagnosis_are_those_of_the_command(
     call: Call, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     empty = ("causes", "indistinguishable", "contrasts", "leftover", "candidates", "unseen", "gain")
-    told: dict[str, Any] = {name: [] for name in empty} | {"separating_trial": None, "noise": {}}
-    found = Diagnosis(verdict="nothing_wrong", **told, adequacy={}, elapsed_s=9999.0)
+    meta: dict[str, Any] = {name: [] for name in empty} | {"separating_trial": None, "noise": {}}
+    found = Diagnosis(verdict="nothing_wrong", **meta, adequacy={}, elapsed_s=9999.0)
     monkeypatch.setattr("swamp_rl.criticism.diagnose.diagnose", lambda *given: found)
-    code, said, _ = call("diagnose", folder, "--out", "out")
-    assert code == 0 and re.search(r"report\.html \(\d{1,2} s\)\n$", said)
+    code, message, _ = call("diagnose", folder, "--out", "out")
+    assert code == 0 and re.search(r"report\.html \(\d{1,2} s\)\n$", message)

@@ -27,21 +27,21 @@ pytestmark = [pytest.mark.slow, pytest.mark.timed]
 
 @contextmanager
 def started(folder: Path, *more: str) -> Iterator[tuple["subprocess.Popen[str]", list[str], str]]:
-    """A recorder in a process of its own, the lines it said so far, and its address."""
+    """A recorder in a process of its own, its lines so far, and its address."""
     words = ["record", "--out", str(folder), "--course", "camogli", "--port", "0", "--scripted", *more]
     process = subprocess.Popen([COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert process.stdout is not None
     # A first start compiles, which takes a while.
     guard = threading.Timer(PATIENCE, process.kill)
     guard.start()
-    said = []
+    lines = []
     try:
         for line in process.stdout:
-            said.append(line)
+            lines.append(line)
             if "drive at" in line:
                 break
         guard.cancel()
-        yield process, said, re.findall(r"http\S+", said[-1])[0]
+        yield process, lines, re.findall(r"http\S+", lines[-1])[0]
     finally:
         guard.cancel()
         process.kill()
@@ -83,8 +83,8 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
         drive_for_rows(
             host, folder / "unfinished" / "run-0001.csv", 8, lambda: stopped(process, signal.SIGKILL)
         )
-    with started(folder) as (process, said, _):
-        assert "run-0001: never finished, taken into the dataset" in said[0]
+    with started(folder) as (process, result, _):
+        assert "run-0001: never finished, taken into the dataset" in result[0]
         assert stopped(process, signal.SIGINT) == (0, f"{folder}: 0 runs\n")
     dataset = read_dataset(folder)
     assert dataset.meta.source == "scripted"
@@ -101,13 +101,13 @@ def test_a_recorder_interrupted_in_a_run_tells_of_it_at_its_end(tmp_path: Path) 
             3,
             lambda: ended.append(stopped(process, signal.SIGINT)),
         )
-    ((code, said),) = ended
-    last = said.splitlines()[-1]  # before it, a busy machine may tell that the driver sends too much
+    ((code, result),) = ended
+    last = result.splitlines()[-1]  # before it, a busy machine may tell that the driver sends too much
     assert (code, last) == (0, f"{folder}: 0 runs, 1 unfinished run to be stored at the next start")
 
 
 @pytest.mark.parametrize("first", [signal.SIGTERM, signal.SIGHUP], ids=["terminated", "terminal closed"])
-def test_a_recorder_told_twice_to_end_ends_in_order(tmp_path: Path, first: signal.Signals) -> None:
+def test_a_recorder_asked_twice_to_end_ends_in_order(tmp_path: Path, first: signal.Signals) -> None:
     folder = tmp_path / "runs"
     with started(folder) as (process, _, address):
         host = address.split("/")[2]
@@ -115,9 +115,9 @@ def test_a_recorder_told_twice_to_end_ends_in_order(tmp_path: Path, first: signa
             socket.recv(timeout=PATIENCE)
             process.send_signal(first)
             until(lambda: not listens(address), "the recorder heeds the first signal")
-            code, said = stopped(process, signal.SIGINT)
-    told = {signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}[first]
-    assert (code, said) == (128 + first, f"{folder}: 0 runs\nswamp-rl: {told}; ended in order\n")
+            code, arguments = stopped(process, signal.SIGINT)
+    message = {signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}[first]
+    assert (code, arguments) == (128 + first, f"{folder}: 0 runs\nswamp-rl: {message}; ended in order\n")
 
 
 def push(socket: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:

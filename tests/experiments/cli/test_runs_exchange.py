@@ -25,8 +25,8 @@ def call(
         monkeypatch.setattr(sys, "argv", ["swamp-rl", "runs", *map(str, words)])
         with pytest.raises(SystemExit) as stop:
             cli.main()
-        said = capsys.readouterr()
-        return int(stop.value.code or 0), said.out, said.err
+        message = capsys.readouterr()
+        return int(stop.value.code or 0), message.out, message.err
 
     return called
 
@@ -50,10 +50,10 @@ MAPPED = [word if word != "--column" else "--map" for word in RENAMED]
 
 def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called], log: Path) -> None:
     units = ["--column", "surge=knots", "--unit", "surge=kn"]
-    code, said, _ = call(
+    code, message, _ = call(
         "import", log, "--from", "csv", "--out", "day", "--source", "human", *RENAMED, *units
     )
-    assert (code, said) == (0, "day: 1 run, 31 rows at 10 Hz, human\n")
+    assert (code, message) == (0, "day: 1 run, 31 rows at 10 Hz, human\n")
     run = read_dataset("day").runs[0]
     assert run.columns["north"].tobytes() == circling()["north"].tobytes()
     assert run.columns["surge"][0] == pytest.approx(0.514444, abs=1e-6)
@@ -63,9 +63,9 @@ def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called],
 
 
 def test_all_that_is_missing_is_listed_a_line_each(call: Callable[..., Called], log: Path) -> None:
-    code, _, said = call("import", log, "--from", "csv", "--out", "day", *RENAMED[:2])
+    code, _, message = call("import", log, "--from", "csv", "--out", "day", *RENAMED[:2])
     assert code == cli.BAD_INPUT
-    lines = said.splitlines()
+    lines = message.splitlines()
     assert [line.count("is missing") for line in lines] == [1, 1, 1]
     assert all(line.startswith("swamp-rl: ") for line in lines) and "nothing was imported" in lines[-1]
 
@@ -88,9 +88,9 @@ def test_all_that_is_missing_is_listed_a_line_each(call: Callable[..., Called], 
 def test_what_is_asked_wrongly_is_one_line_and_imports_nothing(
     call: Callable[..., Called], log: Path, words: list[str], part: str
 ) -> None:
-    code, _, said = call("import", log, "--from", "csv", "--out", "day", *words)
+    code, _, message = call("import", log, "--from", "csv", "--out", "day", *words)
     assert code == cli.BAD_INPUT
-    assert part in said and len(said.splitlines()) == 1, said
+    assert part in message and len(message.splitlines()) == 1, message
     assert [path.name for path in log.parent.iterdir()] == ["log.csv"]
 
 
@@ -113,9 +113,9 @@ def test_what_is_asked_wrongly_is_one_line_and_imports_nothing(
 def test_an_option_that_cannot_act_is_refused(
     call: Callable[..., Called], log: Path, kind: str, words: list[str], part: str
 ) -> None:
-    code, _, said = call("import", log, "--from", kind, "--out", "day", *words)
-    assert (code, len(said.splitlines())) == (cli.BAD_INPUT, 1)
-    assert part in said and not Path("day").exists()
+    code, _, message = call("import", log, "--from", kind, "--out", "day", *words)
+    assert (code, len(message.splitlines())) == (cli.BAD_INPUT, 1)
+    assert part in message and not Path("day").exists()
 
 
 @pytest.mark.parametrize(
@@ -136,9 +136,9 @@ def test_a_package_that_is_not_installed_is_named_with_its_extra(
 ) -> None:
     Path("gps.csv").write_text("time,latitude,longitude,heading\n0.0,44.125,9.5,0\n0.1,44.125,9.5,0\n")
     monkeypatch.setitem(sys.modules, package, None)
-    code, _, said = call(*words)
+    code, _, message = call(*words)
     assert code == cli.BAD_INPUT
-    assert f"pip install 'swamp-rl[{extra}]'" in said and len(said.splitlines()) == 1
+    assert f"pip install 'swamp-rl[{extra}]'" in message and len(message.splitlines()) == 1
     assert not Path("out").exists()
 
 
@@ -147,13 +147,15 @@ def test_the_kind_of_a_log_is_that_of_its_suffix_where_only_one_has_it(
 ) -> None:
     assert call("import", log, "--list") == call("import", log, "--from", "csv", "--list")
     (tmp_path / "drive.mcap").write_bytes(b"")
-    code, _, said = call("import", "drive.mcap", "--list")
-    assert (code, said.count("\n")) == (2, 1)
-    assert "drive.mcap: neither its suffix nor its header tells what it is; give --from, one of csv" in said
-    code, _, said = call("import", log, "drive.mcap", "--list")
-    assert (code, said.count("\n")) == (2, 1)
-    code, _, said = call("import", "none.csv", "--list")
-    assert (code, said) == (2, "swamp-rl: none.csv: no such file or folder; check the name\n")
+    code, _, message = call("import", "drive.mcap", "--list")
+    assert (code, message.count("\n")) == (2, 1)
+    assert (
+        "drive.mcap: neither its suffix nor its header tells what it is; give --from, one of csv" in message
+    )
+    code, _, message = call("import", log, "drive.mcap", "--list")
+    assert (code, message.count("\n")) == (2, 1)
+    code, _, message = call("import", "none.csv", "--list")
+    assert (code, message) == (2, "swamp-rl: none.csv: no such file or folder; check the name\n")
 
 
 def test_the_kind_of_a_folder_is_that_of_the_logs_in_it_or_in_its_folders(
@@ -174,17 +176,17 @@ def test_a_folder_without_logs_is_refused_as_such(call: Callable[..., Called], t
     (tmp_path / "notes").mkdir()
     (tmp_path / "notes" / "calm.md").write_text("calm")
     for folder in ("empty", "notes"):
-        code, _, said = call("import", folder, "--list")
-        assert (code, said.count("\n")) == (2, 1)
-        assert said.startswith(f"swamp-rl: {folder}: neither it nor a folder in it has .csv, .parquet")
+        code, _, message = call("import", folder, "--list")
+        assert (code, message.count("\n")) == (2, 1)
+        assert message.startswith(f"swamp-rl: {folder}: neither it nor a folder in it has .csv, .parquet")
 
 
 def test_the_kind_of_an_mcap_file_is_that_of_the_program_that_wrote_it(
     call: Callable[..., Called], folder: Path, tmp_path: Path
 ) -> None:
     (ros,) = bag(tmp_path / "log", "mcap").glob("*.mcap")
-    told = call("import", ros, "--list")
-    assert told[0] == 0 and told == call("import", ros, "--from", "rosbag", "--list")
+    message = call("import", ros, "--list")
+    assert message[0] == 0 and message == call("import", ros, "--from", "rosbag", "--list")
     assert call("export", folder, "--to", "mcap", "--out", "ours")[0] == 0
     first = sorted(Path("ours").glob("*.mcap"))[0]
     assert call("import", first, "--out", "again")[0] == 0
@@ -196,12 +198,12 @@ def test_a_column_in_degrees_that_passes_zero_often_is_one_line(
 ) -> None:
     lines = [f"{0.1 * i},{i},0,{-20.0 + 40.0 * (i % 2) if i % 3 else 0.0}" for i in range(60)]
     (tmp_path / "log.csv").write_text("\n".join(["time,north,east,heading", *lines]) + "\n")
-    code, _, said = call("import", "log.csv", "--out", "day")
-    (told,) = [line for line in said.splitlines() if "column heading" in line]
+    code, _, text = call("import", "log.csv", "--out", "day")
+    (message,) = [line for line in text.splitlines() if "column heading" in line]
     assert code == 2
-    assert "(in 40 of rows 2 to 60) (--degrees heading)" in told
-    said = call("import", "log.csv", "--out", "day", "--bad-rows", "split")[2]
-    assert said.count("column heading") == 1 and "(in 40 of rows 2 to 60); 67% of the rows are bad" in said
+    assert "(in 40 of rows 2 to 60) (--degrees heading)" in message
+    text = call("import", "log.csv", "--out", "day", "--bad-rows", "split")[2]
+    assert text.count("column heading") == 1 and "(in 40 of rows 2 to 60); 67% of the rows are bad" in text
 
 
 def test_the_option_that_a_complaint_offers_can_be_typed_as_it_stands(
@@ -209,8 +211,8 @@ def test_the_option_that_a_complaint_offers_can_be_typed_as_it_stands(
 ) -> None:
     lines = [f"2026-05-04T09:20:{i:02d}Z,{i},0,0,calm sea" for i in range(12)]
     (tmp_path / "log.csv").write_text("\n".join(["UTC time,north,east,heading,my notes", *lines]) + "\n")
-    said = call("import", "log.csv", "--out", "day")[2]
-    assert "read it as times: --map 'time=`UTC time`'" in said
-    assert "leave the column out: --drop 'my notes'" in said
+    message = call("import", "log.csv", "--out", "day")[2]
+    assert "read it as times: --map 'time=`UTC time`'" in message
+    assert "leave the column out: --drop 'my notes'" in message
     again = [word for name in ("north", "east", "heading") for word in ("--map", f"{name}={name}")]
     assert call("import", "log.csv", "--out", "day", "--map", "time=`UTC time`", *again)[0] == 0

@@ -186,10 +186,10 @@ def alive(number: int) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("words", "told"), [(["run", "smoke"], "; the same command resumes"), (["bench"], "")]
+    ("words", "message"), [(["run", "smoke"], "; the same command resumes"), (["bench"], "")]
 )
 def test_ctrl_c_tells_whether_the_same_command_resumes(
-    words: list[str], told: str, call: Call, monkeypatch: pytest.MonkeyPatch
+    words: list[str], message: str, call: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
@@ -197,7 +197,7 @@ def test_ctrl_c_tells_whether_the_same_command_resumes(
     monkeypatch.setattr("swamp_rl.experiments.studies.run.run_experiment", interrupted)
     monkeypatch.setattr("swamp_rl.experiments.studies.speed.run_bench", interrupted)
     line = call(*words)[2]
-    assert line == f"swamp-rl: interrupted; only what was finished is kept{told}\n"
+    assert line == f"swamp-rl: interrupted; only what was finished is kept{message}\n"
 
 
 @pytest.mark.timed
@@ -205,7 +205,7 @@ def test_ctrl_c_tells_whether_the_same_command_resumes(
     ("first", "second"),
     [(signal.SIGINT, signal.SIGINT), (signal.SIGTERM, signal.SIGINT), (signal.SIGHUP, signal.SIGTERM)],
 )
-def test_a_command_told_twice_to_end_says_one_line_and_leaves_neither_processes_nor_files(
+def test_a_command_asked_twice_to_end_says_one_line_and_leaves_neither_processes_nor_files(
     first: int, second: int, tmp_path: Path
 ) -> None:
     with endless(tmp_path) as process:
@@ -214,9 +214,9 @@ def test_a_command_told_twice_to_end_says_one_line_and_leaves_neither_processes_
         until((tmp_path / "ending").exists, "the first signal is heeded")
         os.killpg(process.pid, second)
         (tmp_path / "end").touch()
-        said = process.communicate(timeout=PATIENCE)
+        result = process.communicate(timeout=PATIENCE)
     code, word = ENDED[signal.Signals(first)]
-    assert said == ("", f"swamp-rl: {word}; only what was finished is kept\n")
+    assert result == ("", f"swamp-rl: {word}; only what was finished is kept\n")
     assert process.returncode == code
     assert not (tmp_path / "out").exists()
     assert_nothing_left(tmp_path, workers)
@@ -233,8 +233,8 @@ def test_worker_processes_that_are_still_starting_do_not_heed_ctrl_c(tmp_path: P
         (tmp_path / "slow").rename(tmp_path / "fast")
         assert sorted(numbers(tmp_path / "at-work", process)) == sorted(starting)
         os.killpg(process.pid, signal.SIGINT)
-        said = process.communicate(timeout=PATIENCE)
-    assert said == ("", "swamp-rl: interrupted; only what was finished is kept\n")
+        result = process.communicate(timeout=PATIENCE)
+    assert result == ("", "swamp-rl: interrupted; only what was finished is kept\n")
     assert process.returncode == 130
     assert_nothing_left(tmp_path, starting)
 
@@ -248,11 +248,11 @@ def test_of_a_verb_that_a_signal_ends_in_order_only_ctrl_c_is_the_ordinary_end(
     with endless(tmp_path, "--keeps") as process:
         numbers(tmp_path / "at-work", process)
         os.kill(process.pid, number)
-        out, said = process.communicate(timeout=PATIENCE)
+        out, result = process.communicate(timeout=PATIENCE)
     code, word = ENDED[signal.Signals(number)]
     assert out == "kept\n" and (tmp_path / "kept").exists()
     ordinary = number == signal.SIGINT
-    assert (process.returncode, said) == (
+    assert (process.returncode, result) == (
         (0, "") if ordinary else (code, f"swamp-rl: {word}; ended in order\n")
     )
 

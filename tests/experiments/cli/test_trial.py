@@ -67,7 +67,7 @@ def test_the_boat_of_a_plan_is_read_once_and_once_for_its_copy(
     assert read.count(Path("b.yaml")) == 2
 
 
-def test_a_measured_track_alone_is_analysed_once_its_manoeuvre_and_marks_are_told(call: Call) -> None:
+def test_a_measured_track_alone_is_analysed_once_its_manoeuvre_and_marks_are_reported(call: Call) -> None:
     Path("p.yaml").write_text(
         "name: p\nboat: swamp\ntrials:\n"
         "  - {manoeuvre: turning-circle, angle_deg: [40.0], throttle: [0.6], turns: 2}\n"
@@ -79,8 +79,8 @@ def test_a_measured_track_alone_is_analysed_once_its_manoeuvre_and_marks_are_tol
     for run in recorded.runs:
         track = {name: run.columns[name] for name in ("time", "north", "east", "heading")}
         extra = run.meta.model_extra or {}
-        told = {"manoeuvre": extra["manoeuvre"]["kind"], "marks": extra["marks"]}
-        append_run("b", Run(run.name, track, RunMeta.model_validate(told)))
+        message = {"manoeuvre": extra["manoeuvre"]["kind"], "marks": extra["marks"]}
+        append_run("b", Run(run.name, track, RunMeta.model_validate(message)))
     code, _, error = call("trial", "analyse", "b")
     assert (code, error) == (0, "")
     one, other = (json.loads(Path(x, "analysis/analysis.json").read_text())["runs"] for x in ("a", "b"))
@@ -133,7 +133,7 @@ def test_wrong_arguments_are_one_line_and_leave_nothing(
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"),
+    ("asked", "message"),
     [
         ("turning-circle --angle 400 --throttle 0.5", "swamp-rl: --angle: must be at most 90"),
         ("straight --throttle 0.5 --throttle 7", "swamp-rl: --throttle: must be at most 1"),
@@ -144,8 +144,8 @@ def test_wrong_arguments_are_one_line_and_leave_nothing(
         ),
     ],
 )
-def test_a_wrong_value_is_told_by_its_option(call: Call, asked: str, told: str) -> None:
-    assert_complains(call("trial", *asked.split(), "--out", "a"), told, code=cli.BAD_INPUT)
+def test_a_wrong_value_is_reported_by_its_option(call: Call, asked: str, message: str) -> None:
+    assert_complains(call("trial", *asked.split(), "--out", "a"), message, code=cli.BAD_INPUT)
 
 
 def test_a_dataset_without_a_trial_is_one_line(call: Call, folder: Path) -> None:

@@ -36,11 +36,11 @@ def recorded(path: Path, seconds: float) -> Path:
 
 def test_a_recorded_failure_is_named(call: Call, tmp_path: Path) -> None:
     recorded(tmp_path / "run.mcap", BEGINS + 5.0)
-    code, said, complaint = call("watch", "--mcap", "run.mcap")
+    code, message, complaint = call("watch", "--mcap", "run.mcap")
     assert (code, complaint) == (0, "")
-    assert "monitoring" in said.splitlines()[0]
-    assert re.search(r"thruster_failure bp \(time [\d.]+ s\), since", said.splitlines()[1])
-    assert said.splitlines()[-1].endswith("samples, notices: 1")
+    assert "monitoring" in message.splitlines()[0]
+    assert re.search(r"thruster_failure bp \(time [\d.]+ s\), since", message.splitlines()[1])
+    assert message.splitlines()[-1].endswith("samples, notices: 1")
 
 
 def test_a_file_is_watched_with_the_boat_that_it_carries(call: Call, tmp_path: Path) -> None:
@@ -50,15 +50,15 @@ def test_a_file_is_watched_with_the_boat_that_it_carries(call: Call, tmp_path: P
     assert call("runs", "export", "sea", "--to", "mcap", "--out", "exported")[0] == 0
     (tmp_path / "twin.yaml").unlink()
     file = next(Path("exported").glob("*.mcap"))
-    code, said, complaint = call("watch", "--mcap", file)
-    assert (code, complaint) == (0, "") and "monitoring" in said
+    code, message, complaint = call("watch", "--mcap", file)
+    assert (code, complaint) == (0, "") and "monitoring" in message
     assert_complains(call("watch", "--mcap", file, "--boat", "swamp"), "name the boat of this run by --boat")
 
 
 def test_a_program_reads_it_as_json_lines(call: Call, tmp_path: Path) -> None:
     recorded(tmp_path / "run.mcap", BEGINS + 5.0)
-    code, said, _ = call("watch", "--mcap", "run.mcap", "--json")
-    notices = [json.loads(line) for line in said.splitlines()]
+    code, message, _ = call("watch", "--mcap", "run.mcap", "--json")
+    notices = [json.loads(line) for line in message.splitlines()]
     assert code == 0
     assert [notice["cause"] for notice in notices] == ["thruster_failure bp"]
     assert notices[0]["since"] == pytest.approx(BEGINS, abs=0.6)
@@ -82,14 +82,14 @@ def test_a_file_that_is_still_being_written_is_refused_as_such(call: Call, tmp_p
     whole = recorded(tmp_path / "run.mcap", 5.0).read_bytes()
     for length in (0, 100, len(whole) // 2):
         (tmp_path / "run.mcap").write_bytes(whole[:length])
-        told = call("watch", "--mcap", "run.mcap")
-        assert_complains(told, "run.mcap: the end of the MCAP file is missing; wait if it")
+        message = call("watch", "--mcap", "run.mcap")
+        assert_complains(message, "run.mcap: the end of the MCAP file is missing; wait if it")
 
 
 def test_a_run_of_another_boat_is_refused_in_one_line(call: Call, tmp_path: Path) -> None:
     recorded(tmp_path / "run.mcap", 5.0)
-    told = call("watch", "--mcap", "run.mcap", "--boat", "esso_osaka")
+    message = call("watch", "--mcap", "run.mcap", "--boat", "esso_osaka")
     assert_complains(
-        told, "by which boat esso_osaka is commanded, is missing; name the boat of this run by --boat"
+        message, "by which boat esso_osaka is commanded, is missing; name the boat of this run by --boat"
     )
-    assert told[2].count("\n") == 1
+    assert message[2].count("\n") == 1

@@ -92,7 +92,7 @@ def test_settings_of_libraries_in_the_working_directory_are_refused(
     assert name in err
 
 
-def test_a_working_directory_that_was_removed_is_told(call: Call, tmp_path: Path) -> None:
+def test_a_working_directory_that_was_removed_is_reported(call: Call, tmp_path: Path) -> None:
     (tmp_path / "gone").mkdir()
     os.chdir(tmp_path / "gone")
     (tmp_path / "gone").rmdir()
@@ -104,7 +104,7 @@ def test_a_working_directory_that_was_removed_is_told(call: Call, tmp_path: Path
 @pytest.mark.parametrize(
     ("name", "value"), [("DISABLE_JIT", "1"), ("NUM_THREADS", "0"), ("NUM_THREADS", "-2")]
 )
-def test_settings_of_numba_with_which_nothing_is_compiled_are_told(
+def test_settings_of_numba_with_which_nothing_is_compiled_are_reported(
     call: Call, monkeypatch: pytest.MonkeyPatch, name: str, value: str
 ) -> None:
     monkeypatch.setenv(f"NUMBA_{name}", value)

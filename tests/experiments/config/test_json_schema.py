@@ -1,4 +1,4 @@
-"""The published schema of experiment files agrees with the command; a typo is told with the nearest key."""
+"""The published schema of experiment files agrees with the command; a typo names the nearest key."""
 
 import json
 from collections.abc import Iterator
@@ -50,10 +50,10 @@ def changed(data: Any, path: Path_, value: Any) -> dict[str, Any]:
 def refused(folder: Path, data: Any) -> str:
     """What the command says of the file."""
     (folder / "it.yaml").write_text(yaml.safe_dump(data))
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         load_experiment(folder / "it.yaml")
-    assert all(line.startswith(f"{folder / 'it.yaml'}: ") for line in str(told.value).split("\n"))
-    return str(told.value)
+    assert all(line.startswith(f"{folder / 'it.yaml'}: ") for line in str(error.value).split("\n"))
+    return str(error.value)
 
 
 def test_the_published_schema_is_that_of_the_code() -> None:
@@ -129,7 +129,7 @@ def keys(data: Any, above: Path_ = ()) -> Iterator[Path_]:
             yield from keys(value, (*above, key))
 
 
-def test_a_letter_left_out_of_any_key_is_told_with_the_key_that_was_meant(tmp_path: Path) -> None:
+def test_a_letter_left_out_of_any_key_is_reported_with_the_key_that_was_meant(tmp_path: Path) -> None:
     whole = load_experiment(ROOT / "configs" / "experiments" / "smoke.yaml").model_dump(mode="json")
     whole = {**whole, "targets": {"success": {}, "smoother_than_data": []}}
     tried = list(keys(whole))
@@ -143,7 +143,7 @@ def test_a_letter_left_out_of_any_key_is_told_with_the_key_that_was_meant(tmp_pa
         assert f"did you mean {path[-1]!r}?" in refused(tmp_path, renamed), path
 
 
-def test_a_typo_in_an_override_and_in_extends_is_told_likewise(tmp_path: Path) -> None:
+def test_a_typo_in_an_override_and_in_extends_is_reported_likewise(tmp_path: Path) -> None:
     for override, meant in (("evaluatoin.seed=1", "evaluation"), ("pilots.ppo.options.hodl=2", "hold")):
         with pytest.raises(UserError, match=f"did you mean '{meant}'"):
             load_experiment("smoke", [override])

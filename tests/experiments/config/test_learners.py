@@ -1,4 +1,4 @@
-"""The registry of learners: one entry is all that a kind of pilot needs to be asked for, told and trained."""
+"""The registry of learners: one entry is enough to choose, describe and train a kind of pilot."""
 
 import subprocess
 import sys
@@ -57,7 +57,7 @@ def test_a_pilot_comes_after_those_it_starts_from(pupils: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "told"),
+    ("override", "message"),
     [
         ("pilots.second.options.start=frist", "did you mean 'first'"),
         ("pilots.second.options.start=last", "end the circle"),
@@ -67,8 +67,8 @@ def test_a_pilot_comes_after_those_it_starts_from(pupils: Path) -> None:
         ("pilots.second.options.strat=first", "did you mean 'start'"),
     ],
 )
-def test_what_a_kind_does_not_have_is_refused_in_one_line(pupils: Path, override: str, told: str) -> None:
-    with pytest.raises(UserError, match=told) as complaint:
+def test_what_a_kind_does_not_have_is_refused_in_one_line(pupils: Path, override: str, message: str) -> None:
+    with pytest.raises(UserError, match=message) as complaint:
         load_experiment(pupils, [override])
     assert "\n" not in str(complaint.value)
 
@@ -83,7 +83,7 @@ def test_ppo_that_is_to_start_from_a_pilot_of_another_kind_is_refused_before_any
 def test_every_kind_that_learns_tells_what_it_learned_from(kind: str) -> None:
     least = {"folder": "here"} if kind == "stored" else {}
     options = learner(kind).settings.model_validate(least).model_dump(mode="json")
-    assert bool(learner(kind).told(PilotPlan(kind=kind, options=options))) == (
+    assert bool(learner(kind).description(PilotPlan(kind=kind, options=options))) == (
         kind not in ("scripted", "line-of-sight")
     )
 
@@ -95,7 +95,7 @@ def test_a_pilot_learns_from_the_failed_runs_that_its_plan_asks_for() -> None:
     dataset = Dataset(Path("runs"), described(), [bad, good])
     chosen = Training(read_scene(experiment), plan, None, dataset, lambda done: None).runs()
     assert [run.name for run in chosen] == ["buoy", "success"]
-    assert learner(plan.kind).told(plan) == "all runs that ended in success or buoy"
+    assert learner(plan.kind).description(plan) == "all runs that ended in success or buoy"
 
 
 def test_reading_an_experiment_loads_no_library_for_training() -> None:

@@ -32,10 +32,10 @@ def write(folder: Path, text: str, name: str = "small.yaml") -> Path:
 
 
 def complaint(path: Path, *overrides: str) -> str:
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         load_experiment(path, overrides)
-    assert all(line.strip() for line in str(told.value).split("\n"))
-    return str(told.value)
+    assert all(line.strip() for line in str(error.value).split("\n"))
+    return str(error.value)
 
 
 @pytest.mark.parametrize("name", ["camogli", "smoke"])
@@ -139,7 +139,7 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "told"),
+    ("override", "text"),
     [
         ("evaluation.episdes=3", "episodes"),
         ("evaluation.episodes=0", "evaluation.episodes"),
@@ -167,21 +167,21 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
         ("reward.tim=1.0", "reward: no term 'tim'; did you mean 'time'? known here: progress"),
     ],
 )
-def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, override: str, told: str) -> None:
+def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, override: str, text: str) -> None:
     message = complaint(write(tmp_path, SMALL), override)
     assert all(line.startswith(f"override {clipped(override)[:30]}") for line in message.split("\n"))
-    assert told in f"{message}\n"
+    assert text in f"{message}\n"
 
 
-def test_a_boat_file_and_runs_in_place_of_what_is_needed_are_told_in_one_line(tmp_path: Path) -> None:
+def test_a_boat_file_and_runs_in_place_of_what_is_needed_are_reported_in_one_line(tmp_path: Path) -> None:
     boat = find_config("boats", "swamp")
     assert complaint(boat) == (
         f"{boat}: is a boat file (length, breadth, draught), not an experiment; name an experiment, whose "
         "key boat names this file"
     )
     (tmp_path / "run.csv").write_text("time\n")
-    told = "is a file, not a folder of runs; swamp-rl runs import makes one of a log"
-    with pytest.raises(UserError, match=f"run.csv: {told}"):
+    message = "is a file, not a folder of runs; swamp-rl runs import makes one of a log"
+    with pytest.raises(UserError, match=f"run.csv: {message}"):
         with_data_hash(load_experiment("smoke", f"data.folder={tmp_path / 'run.csv'}"), "smoke")
     with pytest.raises(UserError, match=r"smoke: data\.folder: nowhere: no such folder"):
         with_data_hash(load_experiment("smoke", "data.folder=nowhere"), "smoke")
@@ -229,7 +229,7 @@ def test_a_pilot_set_to_null_is_dropped_with_its_targets() -> None:
 
 
 @pytest.mark.parametrize(
-    ("overrides", "told"),
+    ("overrides", "message"),
     [
         (
             ["pilots.pppo=null"],
@@ -239,10 +239,10 @@ def test_a_pilot_set_to_null_is_dropped_with_its_targets() -> None:
         (["pilots.ppo=null", "pilots.ppo.runs=5"], "pilots.ppo.kind: is missing"),
     ],
 )
-def test_a_pilot_that_cannot_be_dropped_is_told(overrides: list[str], told: str) -> None:
+def test_a_pilot_that_cannot_be_dropped_is_reported(overrides: list[str], message: str) -> None:
     with pytest.raises(UserError) as error:
         load_experiment("camogli", overrides)
-    assert told in str(error.value)
+    assert message in str(error.value)
 
 
 def test_a_target_set_to_null_is_dropped(tmp_path: Path) -> None:
@@ -253,7 +253,7 @@ def test_a_target_set_to_null_is_dropped(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "told"),
+    ("override", "message"),
     [
         ("boat=swmp", "boat: no boat file named 'swmp'; did you mean 'swamp'?"),
         ("course=mine.yaml", "course: mine.yaml: no such file"),
@@ -263,9 +263,9 @@ def test_a_target_set_to_null_is_dropped(tmp_path: Path) -> None:
         ("pilots.net={kind: ppo, disturbances: svere}", "pilots.net.disturbances: no disturbance file"),
     ],
 )
-def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path: Path, override: str, told: str) -> None:
+def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path: Path, override: str, message: str) -> None:
     small = write(tmp_path, f"{SMALL}\ntargets: {{success: {{net: {{calm: 0.5}}}}}}")
-    assert complaint(small, override).startswith(f"override {override}: {told}")
+    assert complaint(small, override).startswith(f"override {override}: {message}")
 
 
 @pytest.mark.parametrize(
@@ -276,7 +276,7 @@ def test_a_file_that_is_not_there_is_named_with_its_key(tmp_path: Path, override
         ("evaluation: {levels: [clm]}", "evaluation.levels"),
     ],
 )
-def test_a_wrong_boat_course_or_level_is_told_with_the_experiments_file(
+def test_a_wrong_boat_course_or_level_is_reported_with_the_experiments_file(
     tmp_path: Path, key: str, wrong: str
 ) -> None:
     base = write(tmp_path, SMALL, "base.yaml")
@@ -284,13 +284,13 @@ def test_a_wrong_boat_course_or_level_is_told_with_the_experiments_file(
     assert complaint(file).startswith(f"{file}: {wrong}: ")
 
 
-def test_a_fault_is_told_with_the_extended_file_that_has_it(tmp_path: Path) -> None:
+def test_a_fault_is_reported_with_the_extended_file_that_has_it(tmp_path: Path) -> None:
     sound = write(tmp_path, SMALL)
     base = write(tmp_path, f"extends: {sound}\nevaluation: {{episdes: 3}}\n", "base.yaml")
     top = write(tmp_path, f"extends: {base}\nname: top\n", "top.yaml")
-    told = f"{base}: evaluation.episdes: unknown key; did you mean 'episodes'?"
-    assert complaint(top).startswith(told)
-    assert complaint(top, "evaluation.seed=5").startswith(told)
+    message = f"{base}: evaluation.episdes: unknown key; did you mean 'episodes'?"
+    assert complaint(top).startswith(message)
+    assert complaint(top, "evaluation.seed=5").startswith(message)
     write(tmp_path, f"extends: {sound}\nevaluation: {{episodes: 3}}\n", "base.yaml")
     top.write_text(f"extends: {base}\nevaluation: {{sed: 3}}\n")
     assert complaint(top).startswith(f"{top}: evaluation.sed: unknown key")
@@ -306,7 +306,7 @@ def test_a_malformed_override_is_quoted(tmp_path: Path, override: str) -> None:
     assert f"override {override}" in complaint(write(tmp_path, SMALL), override)
 
 
-def test_a_missing_key_a_missing_file_and_malformed_yaml_are_told_apart(tmp_path: Path) -> None:
+def test_a_missing_key_a_missing_file_and_malformed_yaml_are_distinguished(tmp_path: Path) -> None:
     assert "evaluation" in complaint(write(tmp_path, SMALL.replace("evaluation", "x-evaluation")))
     assert "no such file" in complaint(tmp_path / "absent.yaml")
     assert "line 2" in complaint(write(tmp_path, "name: a\nboat: }", "broken.yaml"))

@@ -111,7 +111,7 @@ def test_a_pilot_that_was_evaluated_again_in_other_episodes_is_the_same_pilot(tm
     assert table["success"][np.argsort(table["seed"])].tolist() == did.tolist()
 
 
-def test_the_same_seeds_with_other_doings_are_told(tmp_path: Path) -> None:
+def test_the_same_seeds_with_other_doings_are_reported(tmp_path: Path) -> None:
     folder_of(tmp_path / "a", {"reservoir": np.ones(20)})
     folder_of(tmp_path / "b", {"reservoir": np.zeros(20)})
     with pytest.raises(UserError, match="did otherwise than in"):
@@ -159,7 +159,7 @@ def test_the_same_seed_draws_the_same_comparison(tmp_path: Path) -> None:
     assert compare([tmp_path], seed=3) != compare([tmp_path], seed=4)
 
 
-def test_a_folder_without_episodes_and_a_broken_one_are_told(tmp_path: Path) -> None:
+def test_a_folder_without_episodes_and_a_broken_one_are_reported(tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"no episodes.parquet"):
         find_results([tmp_path])
     broken = folder_of(tmp_path / "a", {"ppo": np.ones(5)})

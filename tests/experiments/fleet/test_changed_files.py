@@ -18,7 +18,7 @@ def diagnosed(dataset: Path) -> list[str]:
     """The datasets that a fleet of this one diagnoses."""
     heard: list[str] = []
     out = dataset.parent.parent / "out"
-    diagnose_fleet([dataset], out, pool=PoolHere(pretend, 1, 0), tell=lambda name, said: heard.append(name))
+    diagnose_fleet([dataset], out, pool=PoolHere(pretend, 1, 0), tell=lambda name, result: heard.append(name))
     return heard
 
 

@@ -41,7 +41,7 @@ from tests.support.sweep_pools import PoolHere
 pytestmark = pytest.mark.timed
 
 MASS = {"effect": "mass", "parameter": "mass", "value": 62.0, "error": 0.2, "gain": 80.0, "unit": "kg"}
-TOLD: dict[str, Any] = {
+DIAGNOSES: dict[str, Any] = {
     "red/may": {"causes": [MASS]},
     "red/june": {"causes": [{**MASS, "value": 65.0}]},
     "blue/may": {"causes": [{**MASS, "value": 60.0}]},
@@ -51,13 +51,13 @@ TOLD: dict[str, Any] = {
 
 
 def fleet(folder: Path, out: str = "out", size: int = 1, seed: int = 0) -> Fleet:
-    given = [folder / "in" / name for name in TOLD]
+    given = [folder / "in" / name for name in DIAGNOSES]
     return diagnose_fleet(given, folder / out, pool=PoolHere(pretend, size, seed))
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    datasets(tmp_path / "in", TOLD)
+    datasets(tmp_path / "in", DIAGNOSES)
     return tmp_path
 
 
@@ -85,10 +85,10 @@ def test_the_report_is_the_same_in_any_order_and_with_any_number_of_workers(fold
     for size, seed in ((3, 1), (5, 2)):
         assert without_times(fleet(folder, f"out{size}", size, seed)) == without_times(one)
     backwards = diagnose_fleet(
-        [folder / "in" / name for name in reversed(TOLD)], folder / "back", pool=PoolHere(pretend, 2, 3)
+        [folder / "in" / name for name in reversed(DIAGNOSES)], folder / "back", pool=PoolHere(pretend, 2, 3)
     )
-    told = [one.model_dump(exclude={"dataset"}) for one in backwards.members]
-    assert told == [one.model_dump(exclude={"dataset"}) for one in one.members]
+    meta = [one.model_dump(exclude={"dataset"}) for one in backwards.members]
+    assert meta == [one.model_dump(exclude={"dataset"}) for one in one.members]
 
 
 def test_what_is_done_is_kept_and_what_changed_or_was_half_done_is_done_again(folder: Path) -> None:
@@ -98,16 +98,16 @@ def test_what_is_done_is_kept_and_what_changed_or_was_half_done_is_done_again(fo
     (out / "blue_may" / "rest.txt").write_text("half done")
     (folder / "in" / "red" / "may" / "run.csv").write_text("another run")
     heard: list[str] = []
-    given = [folder / "in" / name for name in TOLD]
-    diagnose_fleet(given, out, pool=PoolHere(pretend, 1, 0), tell=lambda name, said: heard.append(name))
+    given = [folder / "in" / name for name in DIAGNOSES]
+    diagnose_fleet(given, out, pool=PoolHere(pretend, 1, 0), tell=lambda name, result: heard.append(name))
     assert sorted(heard) == ["blue_may", "green_june", "red_may"]
     assert not (out / "blue_may" / "rest.txt").exists()
 
 
 @pytest.mark.slow
 def test_killed_at_any_moment_the_same_command_goes_on(tmp_path: Path) -> None:
-    told = {f"boat{number}": {"causes": [MASS], "seconds": 0.3} for number in range(8)}
-    given = datasets(tmp_path / "in", told)
+    message = {f"boat{number}": {"causes": [MASS], "seconds": 0.3} for number in range(8)}
+    given = datasets(tmp_path / "in", message)
     asked = [sys.executable, "-m", "tests.support.fleets", *map(str, (tmp_path / "out", *given))]
     with subprocess.Popen(asked, stdout=subprocess.PIPE, text=True) as running:
         assert running.stdout is not None
@@ -118,7 +118,7 @@ def test_killed_at_any_moment_the_same_command_goes_on(tmp_path: Path) -> None:
     assert not (tmp_path / "out" / "fleet.json").exists()
     done = subprocess.run(asked, check=True, stdout=subprocess.PIPE, text=True, timeout=PATIENCE)
     again = done.stdout.split()
-    assert set(again) <= set(told)
+    assert set(again) <= set(message)
     assert not set(again) & set(heard), "a dataset that had ended was diagnosed again"
     whole = json.loads((tmp_path / "out" / "fleet.json").read_text())
     unbroken = diagnose_fleet(given, tmp_path / "unbroken", pool=PoolHere(pretend, 1, 0))
@@ -142,16 +142,16 @@ def test_what_is_no_fleet_is_refused_in_one_line(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "told", ["{", "[" * 100_000, '{"verdict": "cause"}', ""], ids=["cut", "deep", "another", "empty"]
+    "message", ["{", "[" * 100_000, '{"verdict": "cause"}', ""], ids=["cut", "deep", "another", "empty"]
 )
 @pytest.mark.parametrize("name", [RESULT, INPUT])
-def test_a_dataset_with_a_damaged_state_is_diagnosed_again(folder: Path, name: str, told: str) -> None:
+def test_a_dataset_with_a_damaged_state_is_diagnosed_again(folder: Path, name: str, message: str) -> None:
     whole = fleet(folder)
-    (folder / "out" / "blue_may" / name).write_text(told)
+    (folder / "out" / "blue_may" / name).write_text(message)
     heard: list[str] = []
-    given = [folder / "in" / one for one in TOLD]
+    given = [folder / "in" / one for one in DIAGNOSES]
     crew = PoolHere(pretend, 1, 0)
-    found = diagnose_fleet(given, folder / "out", pool=crew, tell=lambda name, said: heard.append(name))
+    found = diagnose_fleet(given, folder / "out", pool=crew, tell=lambda name, text: heard.append(name))
     assert sorted(heard) == ["blue_may", "green_june"]
     assert without_times(found) == without_times(whole)
 
@@ -198,12 +198,12 @@ def test_an_interrupted_fleet_leaves_nothing_that_its_workers_were_building(
 ) -> None:
     monkeypatch.setattr("swamp_rl.experiments.fleet.run.open_pool", lambda *asked: Interrupted())
     with pytest.raises(KeyboardInterrupt):
-        diagnose_fleet([folder / "in" / name for name in TOLD], folder / "out")
+        diagnose_fleet([folder / "in" / name for name in DIAGNOSES], folder / "out")
     assert list((folder / "out").iterdir()) == []
 
 
 def test_what_an_interrupted_fleet_was_building_is_removed_and_it_goes_on(folder: Path) -> None:
-    given = [folder / "in" / name for name in TOLD]
+    given = [folder / "in" / name for name in DIAGNOSES]
     with pytest.raises(KeyboardInterrupt):
         diagnose_fleet(given, folder / "out", pool=PoolHere(half_done, 1, 0))
     assert list((folder / "out").iterdir()) == []
@@ -248,12 +248,12 @@ def test_a_dataset_that_changed_is_diagnosed_again_but_not_over_a_note(
 
     monkeypatch.setattr(import_module("swamp_rl.criticism.diagnose"), "diagnose", quick)
     notes = folder / "out" / "may" / "notes.txt"
-    for rows, told in (("one", None), ("two", None), ("three", "notes.txt in it came or changed")):
+    for rows, message in (("one", None), ("two", None), ("three", "notes.txt in it came or changed")):
         (folder / "in" / "red" / "may" / "run.csv").write_text(rows)
-        if told:
+        if message:
             notes.write_text("mine")
         found = diagnose_fleet([folder / "in/red/may"], folder / "out", pool=PoolHere(diagnose_one, 1, 0))
-        assert (told or "None") in str(found.members[0].error)
+        assert (message or "None") in str(found.members[0].error)
     assert notes.read_text() == "mine"
 
 
@@ -327,8 +327,8 @@ def test_parameters_at_the_end_of_floating_point_end_no_fleet(
     }
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        told, _ = changes_of(members, found, findings_of(members, found)[0])
-    assert len(told) == drifts
+        result, _ = changes_of(members, found, findings_of(members, found)[0])
+    assert len(result) == drifts
 
 
 def test_a_folder_without_a_dataset_has_its_line_and_does_not_stop_the_others(folder: Path) -> None:
@@ -366,7 +366,7 @@ def test_a_weak_cause_stands_in_one_boat_and_falls_among_many() -> None:
     assert shared_causes(among) == []
 
 
-def test_a_cause_of_some_days_is_told_and_equal_days_do_not_differ() -> None:
+def test_a_cause_of_some_days_is_reported_and_equal_days_do_not_differ() -> None:
     found = {
         "a": diagnosis(cause("mass", "mass", 60.0, 1.0, 90.0)),
         "b": diagnosis(cause("mass", "mass", 60.5, 1.0, 90.0)),

@@ -37,18 +37,18 @@ def test_success_is_defined_for_any_number_of_gates() -> None:
 
 
 @pytest.mark.parametrize(
-    ("reached", "said"),
+    ("reached", "message"),
     [([], "sets no targets"), ([True, False], "1 of 2 targets were reached"), ([True], "1 of 1 targets")],
 )
-def test_targets_are_counted_only_where_some_are_set(reached: list[bool], said: str) -> None:
+def test_targets_are_counted_only_where_some_are_set(reached: list[bool], message: str) -> None:
     text = targets_reached([{"reached": one} for one in reached])
-    assert said in text and "0 of 0" not in text
+    assert message in text and "0 of 0" not in text
 
 
 def test_failures_are_counted_by_how_they_ended_the_most_first() -> None:
-    told = results({"ppo": 0.4, "sac": 1.0})
+    message = results({"ppo": 0.4, "sac": 1.0})
     ends = {"ppo": {"success": 4, "buoy": 1, "out_of_bounds": 5}, "sac": {"success": 10}}
     for name, outcomes in ends.items():
-        told["pilots"][name]["levels"]["calm"]["outcomes"] = outcomes
-    text = failures(told)
+        message["pilots"][name]["levels"]["calm"]["outcomes"] = outcomes
+    text = failures(message)
     assert "| ppo | 5 out of bounds, 1 buoy |" in text and "| sac | none |" in text

@@ -49,7 +49,7 @@ def test_other_courses_are_ranked_apart(tmp_path: Path) -> None:
     assert page(gather(tmp_path)).count("<h2>") == 2
 
 
-def test_a_result_that_cannot_be_read_is_told_on_the_page(tmp_path: Path) -> None:
+def test_a_result_that_cannot_be_read_is_reported_on_the_page(tmp_path: Path) -> None:
     folder_of(tmp_path / "a", {"ppo": np.ones(5)})
     broken = folder_of(tmp_path / "b", {"ppo": np.ones(5)})
     (broken / "config" / "experiment.yaml").unlink()

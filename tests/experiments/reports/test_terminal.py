@@ -42,7 +42,7 @@ def test_no_name_of_a_pilot_is_cut_off_and_no_path_is_broken(
     }
     folder = Path("/home/somebody/a long way down/to the results of the boat of 15 metres/and its pilots")
     print_results(results, folder)
-    said = capsys.readouterr().out
-    assert f"{folder}/report.md\n" in said and "…" not in said
-    first_column = "".join(line[:18].strip() for line in said.splitlines())
+    message = capsys.readouterr().out
+    assert f"{folder}/report.md\n" in message and "…" not in message
+    first_column = "".join(line[:18].strip() for line in message.splitlines())
     assert "reservoir-alone-of-tuesday" in first_column

@@ -106,7 +106,7 @@ def test_choices_from_too_few_runs_still_hold_none_twice() -> None:
     assert all(len({run.name for run in block}) == 40 for block in chosen)
 
 
-def test_a_saving_is_told_as_a_share() -> None:
+def test_a_saving_is_reported_as_a_share() -> None:
     assert shown("saving", float(np.log(2.0))) == "50.0 %"
     assert shown("points", -0.05) == "-5.0"
 
@@ -119,7 +119,7 @@ def test_full_lever_is_the_power_of_two_jets_at_full_thrust() -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "told"),
+    ("override", "message"),
     [
         ("claims.pilot=nobody", "no pilot 'nobody'"),
         ("claims.few=7", "7 is not in claims.runs"),
@@ -127,9 +127,9 @@ def test_full_lever_is_the_power_of_two_jets_at_full_thrust() -> None:
         ("pilots.reservoir={kind: scripted, takeover: 0.0}", "does not learn from runs"),
     ],
 )
-def test_claims_about_what_is_not_there_are_refused(override: str, told: str) -> None:
+def test_claims_about_what_is_not_there_are_refused(override: str, message: str) -> None:
     scene = read_scene(load_experiment("thesis_claims", [override]))
-    with pytest.raises(UserError, match=told):
+    with pytest.raises(UserError, match=message):
         check_claims(scene)
 
 

@@ -263,7 +263,7 @@ def test_who_learns_from_runs_may_sense_the_last_action_as_the_environment_shows
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "message"),
     [
         ({"reward": {"progres": 1.0}}, "reward: no term 'progres'; did you mean 'progress'"),
         ({"reward": {"gate": float("inf")}}, "reward"),
@@ -271,7 +271,7 @@ def test_who_learns_from_runs_may_sense_the_last_action_as_the_environment_shows
         ({"time_limit": 0.1}, "time_limit"),
     ],
 )
-def test_a_wrong_key_of_the_environment_is_one_line(place: Path, keys: dict[str, Any], told: str) -> None:
-    with pytest.raises(UserError, match=told) as error:
+def test_a_wrong_key_of_the_environment_is_one_line(place: Path, keys: dict[str, Any], message: str) -> None:
+    with pytest.raises(UserError, match=message) as error:
         read_scene(load_experiment(experiment(place, **keys)))
     assert "\n" not in str(error.value)

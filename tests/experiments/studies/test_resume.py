@@ -61,10 +61,10 @@ def test_a_mistyped_override_loses_nothing_that_was_finished(
         patched.setattr(main_job, "gather", stopped)
         with pytest.raises(KeyboardInterrupt):
             run_experiment(path, out=tmp_path / "out")
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         run_experiment(path, ["evaluation.seed=7"], tmp_path / "out")
-    assert "holds unfinished work (data, " in str(told.value)
-    assert "config/experiment.yaml: there 'seed: 1', now 'seed: 7'" in str(told.value)
+    assert "holds unfinished work (data, " in str(error.value)
+    assert "config/experiment.yaml: there 'seed: 1', now 'seed: 7'" in str(error.value)
     monkeypatch.setattr(learn, "record_scripted", stopped)
     run_experiment(path, out=tmp_path / "out")
 

@@ -191,7 +191,7 @@ def test_a_folder_that_holds_something_else_is_not_replaced(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("override", "told"),
+    ("override", "message"),
     [
         ("boat=swmp", "swamp"),
         ("course=camoggli", "camogli"),
@@ -202,8 +202,10 @@ def test_a_folder_that_holds_something_else_is_not_replaced(tmp_path: Path) -> N
         ("pilots.cloning.options.senses=[north, depth_of_thought]", "depth_of_thought"),
     ],
 )
-def test_what_cannot_be_done_is_one_line_and_leaves_nothing(tmp_path: Path, override: str, told: str) -> None:
-    with pytest.raises(UserError, match=told) as complaint:
+def test_what_cannot_be_done_is_one_line_and_leaves_nothing(
+    tmp_path: Path, override: str, message: str
+) -> None:
+    with pytest.raises(UserError, match=message) as complaint:
         run_experiment("smoke", [override], tmp_path / "smoke")
     assert "\n" not in str(complaint.value)
     assert list(tmp_path.iterdir()) == []

@@ -20,11 +20,11 @@ def test_every_shipped_experiment_goes_through_all_its_stages(tmp_path: Path, na
     out = run_experiment(name, ["smoke=true"], tmp_path / name)
     results = json.loads((out / "results.json").read_text())
     for pilot in asked.pilots if asked.claims is None else ():
-        found = [told for called, told in results["pilots"].items() if called.split(",")[0] == pilot]
+        found = [message for called, message in results["pilots"].items() if called.split(",")[0] == pilot]
         assert found, pilot
-        for told in found:
-            assert list(told["levels"]) == [Path(level).stem for level in asked.evaluation.levels]
-            assert all(level["episodes"] <= EPISODES for level in told["levels"].values())
+        for message in found:
+            assert list(message["levels"]) == [Path(level).stem for level in asked.evaluation.levels]
+            assert all(level["episodes"] <= EPISODES for level in message["levels"].values())
     if asked.claims is not None:
         assert all(claim["verdict"] for claim in results["claims"])
     assert (out / "report.md").stat().st_size > 0

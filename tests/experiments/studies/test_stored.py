@@ -73,7 +73,7 @@ def test_the_configuration_kept_is_used_where_files_have_changed_since(tmp_path:
     assert content(run_experiment(first, out=tmp_path / "second")) == content(first)
 
 
-def test_hashes_can_be_checked_by_anyone_and_seeds_and_machine_are_told(place: Path) -> None:
+def test_hashes_can_be_checked_by_anyone_and_seeds_and_machine_are_reported(place: Path) -> None:
     subprocess.run(["sha256sum", "--check", "--quiet", "data.sha256"], cwd=place / "run", check=True)
     assert len((place / "run" / "data.sha256").read_text().splitlines()) == 1 + 2 + 3
     results: dict[str, Any] = json.loads((place / "run" / "results.json").read_text())
@@ -112,7 +112,7 @@ def test_other_episodes_are_evaluated_beside_and_with_the_same_pilots(place: Pat
     assert (out / weights).read_bytes() == (place / "run" / weights).read_bytes()
 
 
-def test_results_named_from_here_are_told_from_here(
+def test_results_named_from_here_are_distinguished_from_here(
     place: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(place)
@@ -127,10 +127,10 @@ def test_at_some_of_the_levels_the_targets_are_those_of_these_levels(
     with_targets = tmp_path / "with_targets"
     shutil.copytree(place / "run", with_targets)
     kept = with_targets / "config" / "experiment.yaml"
-    told = yaml.safe_load(kept.read_text())
-    told["evaluation"]["levels"] = ["calm", "standard"]
-    told["targets"] = {"success": {"net": {"calm": 0.5, "standard": 0.5}, "ppo": {"standard": 0.5}}}
-    kept.write_text(yaml.safe_dump(told))
+    data = yaml.safe_load(kept.read_text())
+    data["evaluation"]["levels"] = ["calm", "standard"]
+    data["targets"] = {"success": {"net": {"calm": 0.5, "standard": 0.5}, "ppo": {"standard": 0.5}}}
+    kept.write_text(yaml.safe_dump(data))
     changes, overrides = ask
     out = evaluate_folders([with_targets], {"episodes": 1, **changes}, overrides)
     assert load_experiment(out).targets.success == {"net": {"calm": 0.5}}
@@ -181,12 +181,15 @@ def test_pilots_trained_one_after_the_other_come_together(place: Path) -> None:
 
 
 def test_what_another_job_has_made_is_not_replaced(place: Path, tmp_path: Path) -> None:
-    for made, told in (("trained", "holds pilots trained with another"), ("run", "holds a result of tiny")):
+    for made, message in (
+        ("trained", "holds pilots trained with another"),
+        ("run", "holds a result of tiny"),
+    ):
         mine = shutil.copytree(place / made, tmp_path / made)
         for task in (run_experiment, train_experiment):
             with pytest.raises(UserError, match=rf"{mine}: holds .*name another"):
                 task("smoke", out=mine)
-        with pytest.raises(UserError, match=told):
+        with pytest.raises(UserError, match=message):
             run_experiment("smoke", out=mine)
         assert sorted(mine.rglob("*")) == [
             mine / path.relative_to(place / made) for path in sorted((place / made).rglob("*"))
@@ -197,10 +200,10 @@ def test_what_another_job_has_made_is_not_replaced(place: Path, tmp_path: Path) 
 
 def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: Path, tmp_path: Path) -> None:
     def complaint(*words: Any, **more: Any) -> str:
-        with pytest.raises(UserError) as told:
+        with pytest.raises(UserError) as error:
             evaluate_folders(*words, **more)
-        assert "\n" not in str(told.value)
-        return str(told.value)
+        assert "\n" not in str(error.value)
+        return str(error.value)
 
     assert "nothing is trained again" in complaint([place / "run"], {}, ["pilots.net.options.epochs=9"])
     assert "did you mean 'episodes'" in complaint([place / "run"], {}, ["evaluation.episods=9"])
@@ -214,8 +217,8 @@ def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: 
         )
     shutil.rmtree(damaged / "config")
     for folder in (damaged, damaged / "pilots" / "ppo"):
-        told = complaint([folder], {}, out=tmp_path / "out")
-        assert told.startswith(str(folder)) and "name an experiment with --experiment" in told
+        message = complaint([folder], {}, out=tmp_path / "out")
+        assert message.startswith(str(folder)) and "name an experiment with --experiment" in message
     assert [path.name for path in tmp_path.iterdir()] == ["damaged"]
     with pytest.raises(UserError, match=r"no config/experiment\.yaml in this folder"):
         run_experiment(place / "run" / "figures")

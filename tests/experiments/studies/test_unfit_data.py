@@ -21,9 +21,9 @@ def test_runs_without_a_success_are_refused_in_one_line(tmp_path: Path) -> None:
     data = tmp_path / "runs"
     create_dataset(data, meta_of(load_boat("swamp"), "swamp", 10.0, "measured"))
     append_run(data, Run("one", circling()))
-    with pytest.raises(UserError, match="no run is marked successful") as told:
+    with pytest.raises(UserError, match="no run is marked successful") as error:
         run_experiment(write_tiny(tmp_path, "scripted"), [f"data={{folder: {data}}}"], tmp_path / "out")
-    assert "\n" not in str(told.value) and not (tmp_path / "out").exists()
+    assert "\n" not in str(error.value) and not (tmp_path / "out").exists()
 
 
 def test_a_pilot_that_asks_for_more_runs_than_there_are_is_named_with_the_folder(tmp_path: Path) -> None:
@@ -31,9 +31,9 @@ def test_a_pilot_that_asks_for_more_runs_than_there_are_is_named_with_the_folder
     create_dataset(data, meta_of(load_boat("swamp"), "swamp", 10.0, "measured"))
     append_run(data, Run("one", circling(), RunMeta(outcome="success")))
     asked = [f"data={{folder: {data}}}", "pilots.net.runs=2"]
-    with pytest.raises(UserError) as told:
+    with pytest.raises(UserError) as error:
         train_experiment(write_tiny(tmp_path, "scripted", "net"), asked, tmp_path / "out")
-    assert str(told.value) == (
+    assert str(error.value) == (
         f"{data}: pilots.net: 2 runs with the outcome success are asked for, 1 are there; "
         "record more, or ask for fewer"
     )
@@ -41,7 +41,7 @@ def test_a_pilot_that_asks_for_more_runs_than_there_are_is_named_with_the_folder
 
 
 def runs_of(folder: Path, boat: str | Path) -> Path:
-    """A dataset of a run that the boat is said to have made."""
+    """A dataset of a run stated to be of the boat."""
     create_dataset(folder, meta_of(load_boat(boat), str(boat), 10.0, "measured"), boat)
     append_run(folder, Run("one", circling(), RunMeta(outcome="success")))
     return folder
@@ -52,15 +52,15 @@ def test_runs_of_a_boat_of_another_size_are_refused_before_any_training(tmp_path
     launch.write_text("extends: swamp\nname: launch\nlength: 2.0\n")
     data = runs_of(tmp_path / "runs", launch)
     for task in (run_experiment, train_experiment):
-        with pytest.raises(UserError) as told:
+        with pytest.raises(UserError) as error:
             task(write_tiny(tmp_path, "net"), [f"data={{folder: {data}}}"], tmp_path / "out")
-        assert str(told.value).startswith(f"{data}: recorded with boat launch (2 m, thrusters azimuth bs,")
-        assert "but experiment tiny has boat swamp (1.24 m," in str(told.value)
+        assert str(error.value).startswith(f"{data}: recorded with boat launch (2 m, thrusters azimuth bs,")
+        assert "but experiment tiny has boat swamp (1.24 m," in str(error.value)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["launch.yaml", "runs", "tiny.yaml"]
 
 
 @pytest.mark.parametrize(
-    ("boat", "said"),
+    ("boat", "text"),
     [
         ("swamp", ""),
         ("swamp-light", "recorded with boat swamp-light, experiment tiny has swamp"),
@@ -68,7 +68,7 @@ def test_runs_of_a_boat_of_another_size_are_refused_before_any_training(tmp_path
     ],
 )
 def test_runs_of_another_boat_with_the_same_thrusters_and_size_are_noted(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], boat: str, said: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], boat: str, text: str
 ) -> None:
     mine = tmp_path / "mine.yaml"
     mine.write_text(
@@ -76,8 +76,8 @@ def test_runs_of_another_boat_with_the_same_thrusters_and_size_are_noted(
     )
     data = runs_of(tmp_path / "runs", mine if boat == "mine.yaml" else boat)
     train_experiment(write_tiny(tmp_path, "scripted"), [f"data={{folder: {data}}}"], tmp_path / "out")
-    told = capsys.readouterr().err
-    assert said in told and told.count("recorded with") == bool(said)
+    message = capsys.readouterr().err
+    assert text in message and message.count("recorded with") == bool(text)
 
 
 def test_a_stored_pilot_of_another_boat_is_refused_and_one_of_the_same_thrusters_noted(

@@ -1,4 +1,4 @@
-"""A sweep to which values or draws are added keeps its trials, and one with other settings is told which."""
+"""A sweep to which values or draws are added keeps its trials, and other settings are refused."""
 
 import json
 import sqlite3
@@ -36,9 +36,9 @@ def no_training(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def swept(folder: Path, out: str, **changes: Any) -> tuple[list[Trial], dict[str, Any]]:
     """The trials that were carried out now, and what the report holds of all."""
-    told = {"name": "s", "experiment": "smoke", "objective": {"pilot": "reservoir", "level": "calm"}}
-    told["parameters"] = {UNITS: {"grid": [10, 20]}, SEED: {"grid": [0, 1]}}
-    (folder / "sweep.yaml").write_text(yaml.safe_dump(told | changes, sort_keys=False))
+    message = {"name": "s", "experiment": "smoke", "objective": {"pilot": "reservoir", "level": "calm"}}
+    message["parameters"] = {UNITS: {"grid": [10, 20]}, SEED: {"grid": [0, 1]}}
+    (folder / "sweep.yaml").write_text(yaml.safe_dump(message | changes, sort_keys=False))
     done: list[Trial] = []
     run_sweep(folder / "sweep.yaml", out=folder / out, tell=lambda trial, total: done.append(trial))
     found = json.loads((folder / out / "sweep.json").read_text())
@@ -78,7 +78,7 @@ def test_a_value_that_was_tried_is_not_dropped_without_a_word(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         ({"set": {"evaluation.episodes": 5}}, "experiment.evaluation.episodes: there 12, now 5"),
         (
@@ -88,12 +88,12 @@ def test_a_value_that_was_tried_is_not_dropped_without_a_word(tmp_path: Path) ->
     ],
 )
 def test_other_settings_of_a_sweep_are_refused_and_the_first_is_named(
-    changes: dict[str, Any], told: str, tmp_path: Path
+    changes: dict[str, Any], message: str, tmp_path: Path
 ) -> None:
     swept(tmp_path, "out")
     with pytest.raises(UserError, match="holds trials of another sweep or of other settings") as refused:
         swept(tmp_path, "out", **changes)
-    assert told in str(refused.value) and "\n" not in str(refused.value)
+    assert message in str(refused.value) and "\n" not in str(refused.value)
 
 
 @pytest.mark.parametrize("plan", [None, "no json", '{"a": NaN}'])

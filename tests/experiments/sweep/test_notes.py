@@ -1,4 +1,4 @@
-"""What limits the pilots of a sweep is said once, not by each trial."""
+"""What limits the pilots of a sweep is printed once, not by each trial."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,7 +17,7 @@ from tests.support.sweep_pools import PoolHere
 
 
 @pytest.mark.slow
-def test_calm_runs_are_told_once_for_all_trials(
+def test_calm_runs_are_reported_once_for_all_trials(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     @contextmanager
@@ -27,7 +27,7 @@ def test_calm_runs_are_told_once_for_all_trials(
     monkeypatch.setattr("swamp_rl.experiments.sweep.run.open_pool", pool)
     boats = read_scene(load_experiment("smoke")).boats_at(None)
     record_scripted(boats, tmp_path / "runs", boat="swamp", course="camogli", count=1, step=0.1)
-    told = {
+    entries = {
         "name": "s",
         "experiment": "smoke",
         "set": {
@@ -38,8 +38,8 @@ def test_calm_runs_are_told_once_for_all_trials(
         "parameters": {"pilots.reservoir-alone.options.units": {"grid": [10, 20]}},
         "objective": {"pilot": "reservoir-alone", "level": "standard"},
     }
-    (tmp_path / "sweep.yaml").write_text(yaml.safe_dump(told))
+    (tmp_path / "sweep.yaml").write_text(yaml.safe_dump(entries))
     run_sweep(tmp_path / "sweep.yaml", out=tmp_path / "out")
-    said = capsys.readouterr().err
-    assert said.count("recorded without disturbances") == said.count("swamp-rl:") == 1
-    assert "pilots.reservoir-alone: 1 of the 1 training runs" in said and "cloning" not in said
+    message = capsys.readouterr().err
+    assert message.count("recorded without disturbances") == message.count("swamp-rl:") == 1
+    assert "pilots.reservoir-alone: 1 of the 1 training runs" in message and "cloning" not in message

@@ -28,7 +28,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.workers.processes import ProcessPool
 from tests.support import sweeps as sweep_trials
 from tests.support.patience import PATIENCE
-from tests.support.sweep_pools import PoolHere, said, swept
+from tests.support.sweep_pools import PoolHere, summary_of, swept
 from tests.support.sweeps import DRAWN, sweep_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.timed]
@@ -44,7 +44,7 @@ def test_order_workers_and_interruptions_make_no_difference(changes: dict[str, A
     for size, seed, stop in ((3, 1, 10**6), (8, 2, 10**6), (2, 3, 1), (3, 4, 4)):
         pool = PoolHere(sweep_trials.formula, size, seed)
         other = swept(tmp_path / f"{size}-{seed}", sweep, pool, stop_after=stop)
-        assert said(sweep, other) == said(sweep, alone)
+        assert summary_of(sweep, other) == summary_of(sweep, alone)
 
 
 def test_values_that_are_refused_together_are_a_failed_trial_and_the_others_go_on(tmp_path: Path) -> None:
@@ -122,9 +122,9 @@ def test_trials_are_counted_from_one_wherever_they_are_reported(
 
     monkeypatch.setattr("swamp_rl.experiments.sweep.run.run_sweep", carried_out)
     sweep_verb("formula.yaml")
-    told = [line.split(" (")[0] for line in capsys.readouterr().out.splitlines()]
+    message = [line.split(" (")[0] for line in capsys.readouterr().out.splitlines()]
     found, page = json.loads((tmp_path / "sweep.json").read_text()), (tmp_path / "sweep.md").read_text()
-    assert told[0] == "trial 1 of 9" and told[8] == "trial 9 of 9"
+    assert message[0] == "trial 1 of 9" and message[8] == "trial 9 of 9"
     numbers = [one["trial"] for one in found["trials"]]
     assert numbers == [int(key) for key in found["measured"]] == [*range(1, 10)]
     best = found["best"]["trial"]
@@ -144,7 +144,7 @@ def test_processes_take_up_what_failed_or_was_lost(dies: bool, tmp_path: Path) -
         trials = swept(tmp_path / "s", sweep, pool, job)
     assert [(trial.attempts, trial.error) for trial in trials.values()] == [(2, None)] * 2
     here = swept(tmp_path / "here", sweep, PoolHere(sweep_trials.formula, 1, 0))
-    assert said(sweep, trials) == said(sweep, here)
+    assert summary_of(sweep, trials) == summary_of(sweep, here)
 
 
 def test_killed_at_any_moment_the_same_command_goes_on_and_loses_nothing(tmp_path: Path) -> None:
@@ -169,7 +169,7 @@ def test_killed_at_any_moment_the_same_command_goes_on_and_loses_nothing(tmp_pat
         ended = store.trials()
     assert kept.items() <= ended.items(), "a trial that had ended was done again"
     unbroken = swept(tmp_path / "unbroken", sweep_of(), PoolHere(sweep_trials.formula, 1, 0))
-    assert said(sweep_of(), ended) == said(sweep_of(), unbroken)
+    assert summary_of(sweep_of(), ended) == summary_of(sweep_of(), unbroken)
 
 
 def test_a_sweep_does_not_go_on_with_a_boat_file_that_has_changed_since(
@@ -181,10 +181,10 @@ def test_a_sweep_does_not_go_on_with_a_boat_file_that_has_changed_since(
     boat = tmp_path / "mine.yaml"
     boat.write_text("extends: swamp\nname: mine\n")
     file = tmp_path / "sweep.yaml"
-    told = {"name": "s", "experiment": "smoke", "set": {"boat": str(boat)}}
-    told |= {"parameters": {"pilots.reservoir.options.units": {"grid": [10, 20]}}}
-    told |= {"objective": {"pilot": "reservoir", "level": "calm"}}
-    file.write_text(yaml.safe_dump(told))
+    message = {"name": "s", "experiment": "smoke", "set": {"boat": str(boat)}}
+    message |= {"parameters": {"pilots.reservoir.options.units": {"grid": [10, 20]}}}
+    message |= {"objective": {"pilot": "reservoir", "level": "calm"}}
+    file.write_text(yaml.safe_dump(message))
     monkeypatch.setattr("swamp_rl.experiments.sweep.run.carry_on", stopped)
     for _ in range(2):
         with pytest.raises(KeyboardInterrupt):
@@ -257,21 +257,21 @@ def test_a_parameter_of_the_sweep_cannot_be_set_as_well(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         ({"set": {"evaluation.episods": 3}}, "set: evaluation.episods=3: evaluation.episods: unknown key"),
         ({"parameters": {"evaluation.episodes": {"grid": [1, 0]}}}, "parameters: evaluation.episodes=0: "),
     ],
 )
-def test_a_wrong_value_of_the_sweep_is_told_of_the_sweep(
-    changes: dict[str, Any], told: str, tmp_path: Path
+def test_a_wrong_value_of_the_sweep_is_reported_the_sweep(
+    changes: dict[str, Any], message: str, tmp_path: Path
 ) -> None:
     file = tmp_path / "sweep.yaml"
     file.write_text(json.dumps(sweep_trials.FORMULA | changes))
     sweep = load_sweep(file)
     with pytest.raises(UserError) as refused:
         checked(sweep, [override(key, value) for key, value in sweep.set.items()])
-    assert str(refused.value).startswith(f"sweep {sweep.name}: {told}")
+    assert str(refused.value).startswith(f"sweep {sweep.name}: {message}")
 
 
 @pytest.mark.parametrize("name", ["reservoir_grid", "reservoir_search"])
@@ -309,9 +309,9 @@ WRONG: dict[str, dict[str, Any]] = {
 def test_a_wrong_sweep_is_refused_in_one_line_before_any_work(message: str, tmp_path: Path) -> None:
     file = tmp_path / "sweep.yaml"
     file.write_text(json.dumps(sweep_trials.FORMULA | WRONG[message]))
-    with pytest.raises(UserError, match=message) as told:
+    with pytest.raises(UserError, match=message) as error:
         checked(load_sweep(file), [])
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
     assert os.listdir(tmp_path) == ["sweep.yaml"]
 
 

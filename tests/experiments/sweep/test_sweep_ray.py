@@ -18,7 +18,7 @@ from swamp_rl.workers.cluster import RayPool
 from tests.support import sweeps as sweep_trials
 from tests.support.fleets import datasets, pretend
 from tests.support.patience import PATIENCE
-from tests.support.sweep_pools import PoolHere, said, swept
+from tests.support.sweep_pools import PoolHere, summary_of, swept
 from tests.support.sweeps import DRAWN, FORMULA, sweep_of
 
 pytestmark = [
@@ -69,12 +69,12 @@ def test_a_killed_nodes_trial_is_done_elsewhere_and_nothing_is_lost(on_ray: Path
     trials = swept(tmp_path, sweep_of(), PoolHere(sweep_trials.formula, 1, 0))
     killed = found(on_ray / "killed.json")
     assert sorted(one["attempts"] for one in killed["measured"].values()) == [1] * 8 + [2]
-    assert {**killed, "measured": None} == said(sweep_of(), trials)
+    assert {**killed, "measured": None} == summary_of(sweep_of(), trials)
 
 
 def test_a_search_finds_the_same_on_a_cluster(on_ray: Path, tmp_path: Path) -> None:
     trials = swept(tmp_path, sweep_of(**DRAWN), PoolHere(sweep_trials.formula, 1, 0))
-    assert {**found(on_ray / "search.json"), "measured": None} == said(sweep_of(**DRAWN), trials)
+    assert {**found(on_ray / "search.json"), "measured": None} == summary_of(sweep_of(**DRAWN), trials)
 
 
 def test_a_file_gives_the_same_results_on_a_cluster_and_in_processes(on_ray: Path, tmp_path: Path) -> None:
@@ -96,9 +96,9 @@ def test_a_fleet_is_the_same_on_two_nodes_and_in_this_process(on_ray: Path, tmp_
 
 @pytest.mark.parametrize("address", ["127.0.0.1:1", "ray://127.0.0.1:1", "127.0.0.1:99999"])
 def test_where_no_cluster_answers_it_is_said_in_one_line(address: str) -> None:
-    with pytest.raises(UserError, match=f"--ray {address}: no cluster answers") as told:
+    with pytest.raises(UserError, match=f"--ray {address}: no cluster answers") as error:
         RayPool(sweep_trials.formula, address)
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
 
 
 def test_an_empty_address_is_no_cluster_and_starts_none(tmp_path: Path) -> None:

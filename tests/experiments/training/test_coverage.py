@@ -35,7 +35,7 @@ def cut_at_the_first_gate(folder: Path, out: Path, whole: int = 0) -> Path:
     return out
 
 
-def said_in_training(folder: Path, out: Path, capsys: pytest.CaptureFixture[str], *options: str) -> str:
+def printed_in_training(folder: Path, out: Path, capsys: pytest.CaptureFixture[str], *options: str) -> str:
     settings = [
         f"data.folder={folder}",
         "evaluation.episodes=50",
@@ -50,39 +50,39 @@ def said_in_training(folder: Path, out: Path, capsys: pytest.CaptureFixture[str]
 def test_runs_kept_from_the_first_thrust_cover_every_start(
     driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert "evaluation" not in said_in_training(driven, tmp_path / "out", capsys)
+    assert "evaluation" not in printed_in_training(driven, tmp_path / "out", capsys)
 
 
-def test_runs_kept_from_the_first_gate_are_told_of_in_one_line_a_learner(
+def test_runs_kept_from_the_first_gate_are_reported_in_one_line_a_learner(
     driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    said = said_in_training(cut_at_the_first_gate(driven, tmp_path / "cut"), tmp_path / "out", capsys)
-    lines = [line for line in said.splitlines() if "evaluation" in line]
+    message = printed_in_training(cut_at_the_first_gate(driven, tmp_path / "cut"), tmp_path / "out", capsys)
+    lines = [line for line in message.splitlines() if "evaluation" in line]
     assert [line.split(": ")[1] for line in lines] == ["pilots.reservoir-alone", "pilots.cloning"]
     for line in lines:
         assert "no run covers the starts of the evaluation: 100 %" in line and "3 training runs" in line
 
 
-def test_a_pilot_that_takes_over_later_is_not_told_of(
+def test_a_pilot_that_takes_over_later_is_not_reported(
     driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cut = cut_at_the_first_gate(driven, tmp_path / "cut")
     late = [f"pilots.{name}.takeover=3.0" for name in ("reservoir-alone", "cloning")]
-    assert "evaluation" not in said_in_training(cut, tmp_path / "out", capsys, *late)
+    assert "evaluation" not in printed_in_training(cut, tmp_path / "out", capsys, *late)
 
 
 def test_one_whole_run_covers_the_starts(
     driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     mixed = cut_at_the_first_gate(driven, tmp_path / "mixed", whole=1)
-    assert "evaluation" not in said_in_training(mixed, tmp_path / "out", capsys)
+    assert "evaluation" not in printed_in_training(mixed, tmp_path / "out", capsys)
 
 
-def test_calm_runs_are_told_of_where_the_pilot_is_tried_among_disturbances(
+def test_calm_runs_are_reported_where_the_pilot_is_tried_among_disturbances(
     driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    said = said_in_training(driven, tmp_path / "out", capsys)
-    lines = [line for line in said.splitlines() if "without disturbances" in line]
+    message = printed_in_training(driven, tmp_path / "out", capsys)
+    lines = [line for line in message.splitlines() if "without disturbances" in line]
     assert [line.split(": ")[1] for line in lines] == ["pilots.reservoir-alone", "pilots.cloning"]
     for line in lines:
         assert "3 of the 3 training runs" in line and "tested at standard, severe" in line
@@ -96,13 +96,13 @@ def test_calm_runs_suffice_for_calm_water(
         "pilots": {"echo": {"kind": "reservoir"}},
         "evaluation": {"levels": ["calm"], "episodes": 5, "seed": 1},
     }
-    said = {"name": "calm", "boat": "swamp", "course": "camogli", "data": {"folder": str(driven)}, **plans}
-    (tmp_path / "calm.yaml").write_text(json.dumps(said))
+    message = {"name": "calm", "boat": "swamp", "course": "camogli", "data": {"folder": str(driven)}, **plans}
+    (tmp_path / "calm.yaml").write_text(json.dumps(message))
     train_experiment(tmp_path / "calm.yaml", out=tmp_path / "out")
     assert "without disturbances" not in capsys.readouterr().err
 
 
-def test_runs_among_disturbances_are_not_told_of_as_calm(
+def test_runs_among_disturbances_are_not_reported_as_calm(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     game = session(tmp_path / "runs", "standard")
@@ -112,4 +112,4 @@ def test_runs_among_disturbances_are_not_told_of_as_calm(
         kept += game.outcome == "success"
         accept(game)
     game.close()
-    assert "without disturbances" not in said_in_training(tmp_path / "runs", tmp_path / "out", capsys)
+    assert "without disturbances" not in printed_in_training(tmp_path / "runs", tmp_path / "out", capsys)

@@ -1,4 +1,4 @@
-"""Runs that are marked successful but teach something else are told with their number, names and a remedy."""
+"""Runs that are marked successful but teach something else are reported with number, names and remedy."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -40,7 +40,9 @@ def test_sound_runs_have_no_fault(scene: Scene, driven: Dataset) -> None:
     assert run_faults(scene, driven) == []
 
 
-def test_a_run_that_ends_before_the_last_gate_is_told_with_the_course(scene: Scene, driven: Dataset) -> None:
+def test_a_run_that_ends_before_the_last_gate_is_reported_with_the_course(
+    scene: Scene, driven: Dataset
+) -> None:
     half = changed(
         driven, lambda run: {name: values[: len(values) // 2] for name, values in run.columns.items()}
     )
@@ -51,7 +53,7 @@ def test_a_run_that_ends_before_the_last_gate_is_told_with_the_course(scene: Sce
     assert line.endswith("set course to theirs")
 
 
-def test_levers_that_never_move_are_told(scene: Scene, driven: Dataset) -> None:
+def test_levers_that_never_move_are_reported(scene: Scene, driven: Dataset) -> None:
     still = changed(driven, lambda run: dict.fromkeys(("joy_thrust", "joy_angle"), np.zeros(len(run.time))))
     (line,) = run_faults(scene, still)
     assert "1 of 2 successful runs (run-001) have levers that never move" in line
@@ -66,7 +68,7 @@ def test_levers_that_never_move_are_told(scene: Scene, driven: Dataset) -> None:
     ],
     ids=["of the other sign", "0.8 s late", "of half the range"],
 )
-def test_levers_that_do_not_give_the_commands_are_told(
+def test_levers_that_do_not_give_the_commands_are_reported(
     scene: Scene, driven: Dataset, wrong: Callable[[np.ndarray], np.ndarray]
 ) -> None:
     (line,) = run_faults(scene, changed(driven, lambda run: {"joy_angle": wrong(run.columns["joy_angle"])}))

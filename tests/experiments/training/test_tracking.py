@@ -13,7 +13,7 @@ from swamp_rl.experiments.training import tracking
 from swamp_rl.experiments.training.tracking import track_success, tracked
 
 from swamp_rl.errors import UserError
-from tests.support.hostile_names import said
+from tests.support.hostile_names import message_of
 
 POINTS = [(100, {"success": 0.25, "return": -3.0}), (200, {"success": 0.5, "return": 1.5})]
 
@@ -115,17 +115,17 @@ def test_mlflow_gets_how_often_each_pilot_succeeded_at_each_level(tmp_path: Path
 
 
 @pytest.mark.parametrize("uri", ["http://127.0.0.1:9", "gopher://nowhere"])
-def test_a_store_that_cannot_be_had_is_told_in_one_line_before_the_training(
+def test_a_store_that_cannot_be_had_is_reported_in_one_line_before_the_training(
     uri: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("MLFLOW_HTTP_REQUEST_MAX_RETRIES", "0")  # MLflow's own, for seconds
     begun = []
     with (
-        pytest.raises(UserError, match=f"tracking.mlflow: {uri}") as told,
+        pytest.raises(UserError, match=f"tracking.mlflow: {uri}") as error,
         tracked(tmp_path / "events", experiment(uri), "ppo"),
     ):
         begun.append(True)
-    assert not begun and "\n" not in str(told.value)
+    assert not begun and "\n" not in str(error.value)
 
 
 def test_without_tensorboard_the_training_goes_on_and_the_extra_is_named_once(
@@ -148,6 +148,6 @@ def test_a_store_among_folders_of_hostile_names_is_used_without_a_word_of_them(
     store = tmp_path / "store"
     for name in ("\x1b[2Jred", "line\nend", "\u202eevil"):
         (store / name).mkdir(parents=True)
-    said(log_points, tmp_path / "events", experiment(str(store)))  # used, or refused in one line
+    message_of(log_points, tmp_path / "events", experiment(str(store)))  # used, or refused in one line
     printed = "".join(capfd.readouterr())
     assert not any(word in printed for word in ("Traceback", "red", "evil"))
