@@ -41,9 +41,9 @@ def test_every_public_name_is_documented_and_known_to_type_checkers() -> None:
 
 
 def test_help_documents_the_public_functions() -> None:
-    message = pydoc.render_doc(swamp_rl, renderer=pydoc.plaintext)
+    text = pydoc.render_doc(swamp_rl, renderer=pydoc.plaintext)
     functions = [name for name, place in swamp_rl.PUBLIC.items() if ":" in place]
-    assert [name for name in functions if not re.search(rf"^    {name}(\(| = )", message, re.MULTILINE)] == []
+    assert [name for name in functions if not re.search(rf"^    {name}(\(| = )", text, re.MULTILINE)] == []
 
 
 def test_a_dataset_that_was_read_is_taken_wherever_its_folder_is(folder: Path, tmp_path: Path) -> None:

@@ -313,5 +313,5 @@ def test_what_does_not_fit_is_named_by_dotted_key(data: dict[str, object], messa
 def test_every_fault_has_its_line() -> None:
     with pytest.raises(UserError) as caught:
         validated("f.yaml", Ship, {"name": 1, "motors": 2})
-    message = [line.rpartition(":")[0] for line in str(caught.value).splitlines()]
-    assert message == ["f.yaml: name", "f.yaml: motors"]
+    listed = [line.rpartition(":")[0] for line in str(caught.value).splitlines()]
+    assert listed == ["f.yaml: name", "f.yaml: motors"]

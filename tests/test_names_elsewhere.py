@@ -69,8 +69,8 @@ def test_no_name_in_results_reaches_out_of_a_demo(here: Any, name: str, key: str
     for driver in ("data", "driven/ppo"):
         create_dataset(place / "results" / driver, described())
         append_run(place / "results" / driver, Run("one", circling()))
-    message = {"race": {"runs": {key: name, "ppo": "one"}}, "data": {"source": name}}
-    (place / "results" / "results.json").write_text(json.dumps(message))
+    entries = {"race": {"runs": {key: name, "ppo": "one"}}, "data": {"source": name}}
+    (place / "results" / "results.json").write_text(json.dumps(entries))
     before = around(place)
     message_of(lambda: write_page(place / "page.html", read_shown([place / "results"], [], "start")))
     assert around(place) == before

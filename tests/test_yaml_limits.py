@@ -87,14 +87,14 @@ def test_of_twenty_thousand_unknown_keys_twenty_are_reported_and_the_rest_counte
     "name", ["k" * 100_000, "a\nb", "\x1b[31m", "\u202e"], ids=["long", "line", "ansi", "bidi"]
 )
 def test_a_name_too_long_or_unprintable_does_not_spoil_the_line(name: str, tmp_path: Path) -> None:
-    message = {"name": "x", "evaluation": {name: 1}, name[:900]: 2}
-    (tmp_path / "file.yaml").write_text(yaml.safe_dump(message))
+    entries = {"name": "x", "evaluation": {name: 1}, name[:900]: 2}
+    (tmp_path / "file.yaml").write_text(yaml.safe_dump(entries))
     with pytest.raises(UserError) as caught:
         load_experiment(tmp_path / "file.yaml")
-    for message in str(caught.value).split("\n"):
-        assert message.startswith(f"{tmp_path}/file.yaml: ")
-        assert message.isprintable()
-        assert len(message) < 1000
+    for entries in str(caught.value).split("\n"):
+        assert entries.startswith(f"{tmp_path}/file.yaml: ")
+        assert entries.isprintable()
+        assert len(entries) < 1000
 
 
 LONG = {"bare": "x" * 5_000, "file": "y" * 5_000 + ".yaml", "path": "a/" * 3_000 + "b.yaml", "null": "a\0b"}

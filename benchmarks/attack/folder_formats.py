@@ -65,8 +65,8 @@ def _results(name: str) -> Make:
         experiment = {"name": "small", "boat": "swamp", "course": "camogli", "step": 0.1}
         experiment |= {"pilots": {"a": plan, "b": {"kind": "ppo", "options": {"start_from": "a"}}}}
         (home / "config" / "experiment.yaml").write_text(dumped(experiment))
-        message = {"pilots": {"a": {"learned_from": "3 runs"}}, "data": {"source": "human"}}
-        (home / "results.json").write_text(json.dumps(message))
+        entries = {"pilots": {"a": {"learned_from": "3 runs"}}, "data": {"source": "human"}}
+        (home / "results.json").write_text(json.dumps(entries))
         (home / "versions.json").write_text(json.dumps({"commit": "0123abc", "numpy": "2.0"}))
         table = {column: np.arange(3.0) for column in COLUMNS}
         table |= {"seed": np.arange(3), "success": np.array([True, False, True])}

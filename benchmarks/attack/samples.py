@@ -156,9 +156,9 @@ def make_diagnosis(folder: Path) -> Path:
     empty |= {"unseen": [], "gain": [], "noise": {}, "adequacy": {}, "elapsed_s": 1.0}
     speed = {"value": 0.2, "standard_error": 0.05, "unit": "m/s"}
     numbers = {"north": speed, "east": speed}
-    message = {"verdict": "cause", "separating_trial": None, "correlation": [[1.0, 0.2], [0.2, 1.0]]}
-    message["causes"] = [{"effect": "current", "parameters": numbers}]
-    (folder / "diagnosis.json").write_text(json.dumps(empty | message))
+    entries = {"verdict": "cause", "separating_trial": None, "correlation": [[1.0, 0.2], [0.2, 1.0]]}
+    entries["causes"] = [{"effect": "current", "parameters": numbers}]
+    (folder / "diagnosis.json").write_text(json.dumps(empty | entries))
     return folder / "diagnosis.json"
 
 
@@ -167,8 +167,8 @@ def make_unfinished(folder: Path) -> Path:
 
     create_dataset(folder / "runs", meta())
     (folder / "runs" / "unfinished").mkdir()
-    message = {"seed": 3, "outcome": "success", "nickname": "x", "accepted": True}
-    write_description(folder / "runs" / "unfinished" / "one.json", message)
+    entries = {"seed": 3, "outcome": "success", "nickname": "x", "accepted": True}
+    write_description(folder / "runs" / "unfinished" / "one.json", entries)
     return folder / "runs" / "unfinished" / "one.json"
 
 

@@ -38,9 +38,9 @@ def naming(journal: Path, victim: Path, database: Path) -> None:
     page = struct.unpack(">H", database.read_bytes()[16:18])[0]
     magic, name = bytes.fromhex("d9d505f920a163d7"), str(victim).encode()
     head = magic + struct.pack(">IIIII", 0, 7, database.stat().st_size // page, 512, page)
-    message = struct.pack(">I", 2**30 // page + 1) + name
-    message += struct.pack(">II", len(name), sum(byte if byte < 128 else byte - 256 for byte in name) % 2**32)
-    journal.write_bytes(head.ljust(512, b"\0") + message + magic)
+    content = struct.pack(">I", 2**30 // page + 1) + name
+    content += struct.pack(">II", len(name), sum(byte if byte < 128 else byte - 256 for byte in name) % 2**32)
+    journal.write_bytes(head.ljust(512, b"\0") + content + magic)
 
 
 def test_a_sweeps_journal_cannot_have_a_file_elsewhere_deleted(tmp_path: Path) -> None:

@@ -68,9 +68,9 @@ def judged(what: str, number: int) -> dict[str, Any]:
     base = fit(problem, Hypothesis(), NONE, problem.initial_states(), 2)
     on = Witness(runs, weight, False)
     found = extend_by_force(runs, weight, base, leftover, on, np.random.default_rng(0))
-    message = {"what": what, "number": number, "size": size, "written": False}
+    entries = {"what": what, "number": number, "size": size, "written": False}
     if found is None:
-        return message | {"seconds": time.process_time() - begun}
+        return entries | {"seconds": time.process_time() - begun}
     assert case.outside is not None
     shares = prediction_shares(
         found.problem, found.less, found.fit, Witness(others, of_others, True), np.random.default_rng(0)
@@ -81,7 +81,7 @@ def judged(what: str, number: int) -> dict[str, Any]:
         variable in case.outside["variables"] or variable.split("_")[0] in case.outside["variables"]
         for variable in variables
     ]
-    return message | {
+    return entries | {
         "written": found.result.written,
         "curves": [curve.model_dump() for curve in found.result.curves],
         "right": any(true),

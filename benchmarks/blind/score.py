@@ -125,8 +125,8 @@ def run_estimates(truth: Judged, causes: Sequence[Judged]) -> list[dict[str, Any
     named = {cause["effect"]: cause.get("groups", {}) for cause in causes}
     for number, run in enumerate(truth.get("by_run", ())):
         for effect in run:
-            message = named.get(effect["effect"], {}).get(f"run_{number}", {})
-            for name, one in message.items():
+            estimates = named.get(effect["effect"], {}).get(f"run_{number}", {})
+            for name, one in estimates.items():
                 away = one["value"] - effect[name]
                 if one["unit"] == "rad":
                     away = wrapped_below(away)

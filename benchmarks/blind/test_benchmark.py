@@ -160,7 +160,7 @@ def test_the_truth_has_a_lower_criterion_than_an_effect_that_explains_nothing(tm
     case = Case("A", "single", [{"effect": "thruster_gain", "thruster": "bp", "gain": 0.7}])
     rng, data, truth = np.random.default_rng(3), tmp_path / "data", tmp_path / "truth.json"
     write_case(case, rng, data, truth, runs=2, seconds=40.0)
-    message = {"minor": [], "nuisance": []}
+    entries = {"minor": [], "nuisance": []}
     gain = {
         "effect": "thruster_gain",
         "thruster": "bp",
@@ -174,10 +174,10 @@ def test_the_truth_has_a_lower_criterion_than_an_effect_that_explains_nothing(tm
         "parameters": {"scale": {"value": 1.0}},
     }
     hidden = json.loads(truth.read_text())
-    assert criterion_of_truth(data, hidden, message | {"causes": [gain]}) == pytest.approx(0.0, abs=1e-6)
-    apart = criterion_of_truth(data, hidden, message | {"causes": [drag]})
+    assert criterion_of_truth(data, hidden, entries | {"causes": [gain]}) == pytest.approx(0.0, abs=1e-6)
+    apart = criterion_of_truth(data, hidden, entries | {"causes": [drag]})
     assert apart is not None and apart < -100.0
-    assert criterion_of_truth(data, hidden, message | {"causes": [drag | {"scope": "run"}]}) is None
+    assert criterion_of_truth(data, hidden, entries | {"causes": [drag | {"scope": "run"}]}) is None
 
 
 def test_a_bar_is_reached_short_or_missed_by_what_chance_allows() -> None:

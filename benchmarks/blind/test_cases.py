@@ -80,8 +80,8 @@ def test_at_level_e_each_run_has_a_weather_of_its_own_alone_or_beside_one_effect
     assert len({json.dumps(run) for run in case.by_run}) == 5
     (weather,) = {effect["effect"] for run in case.by_run for effect in run}
     field = {"wind": "wind_speed", "current": "current_north"}[weather]
-    lines = [voyage.record for voyage in voyages(case, rng, 5, 1.0)]
-    assert len({float(record[field][0]) for record in lines}) == 5
+    records = [voyage.record for voyage in voyages(case, rng, 5, 1.0)]
+    assert len({float(record[field][0]) for record in records}) == 5
     names = [*(effect["effect"] for effect in case.effects), weather]
     assert judged(vars(case), answer("cause", names))["right"]
     assert not judged(vars(case), answer("cause", names[1:]))["right"]

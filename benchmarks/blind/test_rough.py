@@ -18,8 +18,8 @@ def scored(hidden: str | None, *named: str) -> dict[str, Any]:
         "by_run": [],
     }
     causes = [{"effect": one, "thruster": None, "parameters": {}, "groups": {}} for one in named]
-    message = {"verdict": "unexplained", "causes": causes, "indistinguishable": [], "elapsed_s": 9.0}
-    return judged(truth, message) | {"case": "R0001", "processor_s": 20.0}
+    entries = {"verdict": "unexplained", "causes": causes, "indistinguishable": [], "elapsed_s": 9.0}
+    return judged(truth, entries) | {"case": "R0001", "processor_s": 20.0}
 
 
 def test_the_table_tells_what_was_named_alone_beside_others_and_of_nothing() -> None:

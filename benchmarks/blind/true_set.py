@@ -57,14 +57,14 @@ def criterion_of_truth(data: Path, truth: Judged, found: Judged) -> float | None
 
 def _position_noise(found: Judged) -> NDArray[np.float64] | None:
     """(6, 2) Gauss-Markov noise of the positions that an answer tells; None where they have none."""
-    message = {name: one for name, one in found.get("wandering", {}).items() if name in POSITIONS}
+    entries = {name: one for name, one in found.get("wandering", {}).items() if name in POSITIONS}
     rows = [
-        (message[name]["standard_deviation"], message[name]["time_constant_s"])
-        if name in message
+        (entries[name]["standard_deviation"], entries[name]["time_constant_s"])
+        if name in entries
         else (0.0, 0.0)
         for name in CHANNELS
     ]
-    return np.array(rows) if message else None
+    return np.array(rows) if entries else None
 
 
 def _key(effect: str, thrusters: Sequence[str]) -> Key:

@@ -129,8 +129,8 @@ def write_variant(rng: Rng, data: Path, truth: Path) -> None:
     data.mkdir(parents=True)
     write_runs(data, name, boat, tables, "measured", "csv", instruments.rate)
     truth.parent.mkdir(parents=True, exist_ok=True)
-    message = vars(instruments) | {"white": instruments.white.tolist()}
-    truth.write_text(json.dumps(vars(case) | {"boat": name, "instruments": message}, indent=1))
+    entries = vars(instruments) | {"white": instruments.white.tolist()}
+    truth.write_text(json.dumps(vars(case) | {"boat": name, "instruments": entries}, indent=1))
 
 
 def is_ship(boat: Boat) -> bool:

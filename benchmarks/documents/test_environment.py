@@ -13,9 +13,9 @@ from benchmarks.markers import write_parts
 
 @pytest.mark.parametrize("part", sorted(declared()))
 def test_the_page_has_the_tables_of_what_is_declared(part: str) -> None:
-    message = re.search(rf"<!-- {part} -->\n(.*?)\n<!-- end {part} -->", PAGE.read_text(), re.DOTALL)
-    assert message is not None
-    assert message[1] == declared()[part], "python -m benchmarks.documents.environment --terms"
+    match = re.search(rf"<!-- {part} -->\n(.*?)\n<!-- end {part} -->", PAGE.read_text(), re.DOTALL)
+    assert match is not None
+    assert match[1] == declared()[part], "python -m benchmarks.documents.environment --terms"
 
 
 def test_the_page_names_every_argument() -> None:

@@ -47,15 +47,15 @@ def curves(spreads: dict[str, dict[str, Any]]) -> str:
     at the first point, a quarter, half and the end of its training."""
     rows = []
     for name, by_seed in spreads.items():
-        message = [seed["curve"] for seed in by_seed.values() if seed["curve"]]
-        logged = [set(point) for curve in message for point in curve]
+        listed = [seed["curve"] for seed in by_seed.values() if seed["curve"]]
+        logged = [set(point) for curve in listed for point in curve]
         quantity = next((one for one in ("success", "loss") if all(one in keys for keys in logged)), None)
         if quantity is None or not logged:
             continue
-        ends = {f"{curve[-1]['step']:,}" for curve in message}
-        at = [[_value_at(curve, quantity, share) for curve in message] for share in SHARES]
+        ends = {f"{curve[-1]['step']:,}" for curve in listed}
+        at = [[_value_at(curve, quantity, share) for curve in listed] for share in SHARES]
         cells = [f"{np.mean(values):.3g} ({min(values):.3g} to {max(values):.3g})" for values in at]
-        rows.append([name, quantity, " or ".join(sorted(ends)), str(len(message)), *cells])
+        rows.append([name, quantity, " or ".join(sorted(ends)), str(len(listed)), *cells])
     heads = [
         "pilot",
         "quantity",

@@ -168,8 +168,8 @@ def _row(
     reason: str = "",
     contradicted: bool = False,
 ) -> Row:
-    message = {"width": width, "reading_of": reading_of, "reason": reason, "contradicted": contradicted}
-    return Row(what, source, printed, value, ours, math.nan, FULL, **message)  # type: ignore[arg-type]
+    entries = {"width": width, "reading_of": reading_of, "reason": reason, "contradicted": contradicted}
+    return Row(what, source, printed, value, ours, math.nan, FULL, **entries)  # type: ignore[arg-type]
 
 
 def jet_power(boat: Boat, thrust: float) -> float:

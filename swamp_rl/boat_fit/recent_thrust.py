@@ -70,10 +70,8 @@ def recent_errors(run_set: RunSet, boat: Boat, gains: Gains) -> list[RecentError
 def _errors(run_set: RunSet, boat: Boat, choices: Sequence[Gains]) -> dict[Gains, list[RecentErrors]]:
     """Errors of a boat file with each of several choices of gains, as `recent_errors`."""
     run_set = replace(run_set, boat=boat)
-    weight, hypotheses = (
-        weights(run_set, noise_levels(run_set)),
-        [thruster_gains(boat, one) for one in choices],
-    )
+    weight = weights(run_set, noise_levels(run_set))
+    hypotheses = [thruster_gains(boat, one) for one in choices]
     found: dict[Gains, list[RecentErrors]] = {}
     every = _gains_of_each(run_set, soft_weights(weight, boat), hypotheses)
     for choice, hypothesis, gains in zip(choices, hypotheses, every, strict=True):

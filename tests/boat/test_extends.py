@@ -105,8 +105,8 @@ def test_effects_follow_those_of_the_boat_extended(tmp_path: Path) -> None:
     boat = extended(
         tmp_path, "extends: lower.yaml\neffects: [{effect: thruster_gain, thruster: bs, gain: 0.7}]\n"
     )
-    lines = [(entry.effect.name, entry.thruster, dict(entry.values)) for entry in boat.effects]
-    assert lines == [
+    effects = [(entry.effect.name, entry.thruster, dict(entry.values)) for entry in boat.effects]
+    assert effects == [
         ("current", None, {"north": 0.1, "east": 0.0}),
         ("thruster_gain", "bs", {"gain": 0.7}),
     ]

@@ -69,7 +69,7 @@ def test_all_faults_of_a_file_are_reported_each_on_its_line(tmp_path: Path) -> N
         "extends: swamp\nlenth: 3\nmass: null\nthruster_model: {azimuth_rate: -1}\nhull: {x_vr: a}\n"
         "draught: {value: 14, unit: cm, provenance: measured, source: ruler}\n"
     )
-    message = [line.removeprefix(f"{path}: ") for line in refused(path)]
+    listed = [line.removeprefix(f"{path}: ") for line in refused(path)]
     begins = [
         "lenth: unknown",
         "mass: is missing",
@@ -77,8 +77,8 @@ def test_all_faults_of_a_file_are_reported_each_on_its_line(tmp_path: Path) -> N
         "hull.x_vr: must be a number",
     ]
     begins.append("thrusters.bs.azimuth_rate: must be greater than 0, not -1 (and bp, ss, sp alike)")
-    assert len(message) == len(begins)
-    assert all(any(line.startswith(begin) for line in message) for begin in begins)
+    assert len(listed) == len(begins)
+    assert all(any(line.startswith(begin) for line in listed) for begin in begins)
 
 
 def unstable(section: str, **changes: float) -> dict[str, Any]:

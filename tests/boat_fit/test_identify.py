@@ -119,8 +119,8 @@ def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_s
     astern = by_name(list(found.fitted))["thrusters.port.astern_quadratic"]
     assert not astern.shown
     assert astern.value == pytest.approx(astern.number.start, abs=0.5 * astern.prior_sd)
-    message = found.boat.provenance["thrusters.port.astern_quadratic"]
-    assert message.provenance == "assumed" and "not identifiable from" in message.source
+    origin = found.boat.provenance["thrusters.port.astern_quadratic"]
+    assert origin.provenance == "assumed" and "not identifiable from" in origin.source
     assert any("astern of port" in line and "astern_quadratic" in line for line in next_runs(found))
 
 

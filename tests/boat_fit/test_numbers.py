@@ -239,9 +239,9 @@ def test_a_time_constant_of_zero_is_fitted_only_where_it_leaves_the_least_one() 
     assert lag.start == 0.0 < lag.low
     assert not supported(Fitted(lag, lag.low, lag.sd))
     assert supported(Fitted(lag, 2.0 * lag.low, lag.sd))
-    lines = [Fitted(number, number.mean, number.sd) for number in every if number is not lag]
+    made = [Fitted(number, number.mean, number.sd) for number in every if number is not lag]
     assert (
-        "no time constant thrusters.bs.pump_time_constant: it is as" in left_out(load_boat("swamp"), lines)[0]
+        "no time constant thrusters.bs.pump_time_constant: it is as" in left_out(load_boat("swamp"), made)[0]
     )
 
 

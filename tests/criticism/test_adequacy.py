@@ -52,8 +52,8 @@ def test_an_inadequate_selection_keeps_confirmed_causes_only() -> None:
     continuation = continuation_of(sailed, weights(sailed, noise_levels(sailed)))
     both = Hypothesis().with_instance(instances[0]).with_instance(instances[1])
     best = continuation.fit(1, both, np.concatenate([instance.starts[0] for instance in both.instances]))
-    message = {"mass": Confirmation(90.0, 40.0, 0.99), "sway_drag": Confirmation(-1.0, -3.0, 0.99)}
-    found = Selection(best, False, 1, [], [best], [], [], message)
+    entries = {"mass": Confirmation(90.0, 40.0, 0.99), "sway_drag": Confirmation(-1.0, -3.0, 0.99)}
+    found = Selection(best, False, 1, [], [best], [], [], entries)
     less = without_unconfirmed(continuation, found, instances)
     assert less.winner.hypothesis.label == "mass"
     assert list(less.confirmed) == ["mass"] and less.confirmed["mass"].holds

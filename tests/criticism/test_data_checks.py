@@ -191,9 +191,9 @@ def test_nothing_is_written_over_what_is_no_diagnosis_or_what_it_is_made_from(tm
 
 def test_runs_left_out_and_runs_at_rest_are_reported(tmp_path: Path) -> None:
     data = recorded(tmp_path / "data", as_it_is, cut(slice(31)), at_rest)
-    message = missing_motion(read_run_set(data, load_boat("swamp")))
-    assert "length in run_1: shorter than 10 s, left out" in message
-    assert any(one.startswith("way in run_2: the boat stands still there") for one in message)
+    lacks = missing_motion(read_run_set(data, load_boat("swamp")))
+    assert "length in run_1: shorter than 10 s, left out" in lacks
+    assert any(one.startswith("way in run_2: the boat stands still there") for one in lacks)
 
 
 def test_a_folder_that_another_diagnosis_is_writing_is_refused(tmp_path: Path) -> None:

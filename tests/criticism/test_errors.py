@@ -80,8 +80,8 @@ def test_a_parameter_at_a_bound_is_marked(
     fitted: tuple[Shooting, Fit], value: float, limit: str | None
 ) -> None:
     problem, at = fitted
-    message = causes_of(problem, replace(at, x=np.array([value])))[0].parameters["gain"]
-    assert (message.value, message.at_bound, message.limit) == (value, limit is not None, limit)
+    estimate = causes_of(problem, replace(at, x=np.array([value])))[0].parameters["gain"]
+    assert (estimate.value, estimate.at_bound, estimate.limit) == (value, limit is not None, limit)
 
 
 def test_one_component_of_the_wind_is_at_a_bound() -> None:

@@ -48,8 +48,8 @@ def test_errors_of_runs_without_noise_have_few_enough_ticks_to_be_read() -> None
         return SimpleNamespace(horizon_s=horizon, **(none | {"position_rmse_m": one}))
 
     gains = [gain(1.0, 1e-2), gain(5.0, 1e-4), gain(30.0, 1e-7)]
-    message = SimpleNamespace(gain=gains, gain_on="other_runs", noise=dict.fromkeys(CHANNELS, 0.01))
-    finding: Any = SimpleNamespace(diagnosis=message, extended=True)
+    reported = SimpleNamespace(gain=gains, gain_on="other_runs", noise=dict.fromkeys(CHANNELS, 0.01))
+    finding: Any = SimpleNamespace(diagnosis=reported, extended=True)
     figure = Figure()
     draw_errors(figure, finding)
     low, high = figure.axes[0].get_ylim()
@@ -61,8 +61,8 @@ def test_a_channel_that_only_the_held_out_runs_have_is_drawn_without_a_level_of_
     none = dict.fromkeys(figures.QUANTITIES)
     both = dict.fromkeys(("position_rmse_m", "surge_rmse_m_s"), SimpleNamespace(before=1.0, after=0.5))
     gains = [SimpleNamespace(horizon_s=horizon, **(none | both)) for horizon in (1.0, 5.0)]
-    message = SimpleNamespace(gain=gains, gain_on="other_runs", noise={"north": 0.1, "east": 0.1})
-    finding: Any = SimpleNamespace(diagnosis=message, extended=False)
+    reported = SimpleNamespace(gain=gains, gain_on="other_runs", noise={"north": 0.1, "east": 0.1})
+    finding: Any = SimpleNamespace(diagnosis=reported, extended=False)
     figure = Figure()
     draw_errors(figure, finding)
     assert [len(axes.lines) for axes in figure.axes] == [2, 1]

@@ -88,8 +88,8 @@ def test_a_wandering_position_has_the_estimated_size_and_time_constant() -> None
 
 
 def test_the_noise_of_a_smoothed_channel_is_recognised_as_the_filter_that_it_was_estimated_as() -> None:
-    message = {"heading": SmoothedNoise(sample_noise=0.002, standard_deviation=0.01, time_constant_s=0.4)}
-    noise = sensor_noise(SIGMA, message, None, DT)
+    entries = {"heading": SmoothedNoise(sample_noise=0.002, standard_deviation=0.01, time_constant_s=0.4)}
+    noise = sensor_noise(SIGMA, entries, None, DT)
     still = simulated_runs([])
     drawn = noise.drawn(np.random.default_rng(3), 3, 3000, DT)
     at_sample_rate = np.std(np.concatenate([third_differences(run[:, 2]) for run in drawn])) / np.sqrt(20.0)

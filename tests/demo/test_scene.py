@@ -107,8 +107,8 @@ def test_distance_to_go_ends_at_nought_only_through_all_gates() -> None:
 
 
 def test_wind_from_the_north_blows_south_and_the_current_flows_where_it_says() -> None:
-    message = [{"effect": "wind", "speed": 4.0, "from": 0.0}, {"effect": "current", "east": 0.3}]
-    run = Run("a", northward(1.0).columns, RunMeta(disturbances=message))
+    listed = [{"effect": "wind", "speed": 4.0, "from": 0.0}, {"effect": "current", "east": 0.3}]
+    run = Run("a", northward(1.0).columns, RunMeta(disturbances=listed))
     blows, flows = wind(run), current(run)
     assert blows is not None and blows[0] == pytest.approx([-4.0, 0.0], abs=1e-12)
     assert flows is not None and flows[7] == pytest.approx([0.0, 0.3])

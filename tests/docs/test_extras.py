@@ -49,6 +49,6 @@ def test_whatever_cannot_be_imported_is_answered_with_the_command_that_installs_
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_a_page_names_the_extras_that_it_needs(page: Path) -> None:
     text = page.read_text()
-    message = {extra for named in re.findall(r"swamp-rl\[([\w,]+)\]", text) for extra in named.split(",")}
-    assert {extra for extra, use in NEEDED.items() if re.search(use, text, re.MULTILINE)} <= message
-    assert message <= extras() | {"attack"}
+    names = {extra for named in re.findall(r"swamp-rl\[([\w,]+)\]", text) for extra in named.split(",")}
+    assert {extra for extra, use in NEEDED.items() if re.search(use, text, re.MULTILINE)} <= names
+    assert names <= extras() | {"attack"}

@@ -113,15 +113,15 @@ def test_the_boat_file_has_every_key_with_its_unit() -> None:
 
 def test_the_licence_of_every_direct_dependency_is_reported() -> None:
     found = [line.split(" | ") for line in PARTS["licences"]().splitlines()[2:]]
-    message = {cells[0].strip("| `"): cells[-1].strip(" |") for cells in found}
+    entries = {cells[0].strip("| `"): cells[-1].strip(" |") for cells in found}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     named = [project["dependencies"], *project["optional-dependencies"].values()]
     needed = [Requirement(line) for lines in named for line in lines]
-    assert set(message) == {canonicalize_name(one.name) for one in needed} - {"swamp-rl"}
-    unknown = {name for name, licence in message.items() if licence in ("", "None", "UNKNOWN")}
-    absent = {name for name, licence in message.items() if licence.startswith("not installed")}
+    assert set(entries) == {canonicalize_name(one.name) for one in needed} - {"swamp-rl"}
+    unknown = {name for name, licence in entries.items() if licence in ("", "None", "UNKNOWN")}
+    absent = {name for name, licence in entries.items() if licence.startswith("not installed")}
     assert not unknown and absent <= {"atheris"}
-    assert "LGPL" in message["pymavlink"] and message["pydantic"] == "MIT"
+    assert "LGPL" in entries["pymavlink"] and entries["pydantic"] == "MIT"
 
 
 def test_a_table_drops_empty_columns_and_escapes_bars() -> None:

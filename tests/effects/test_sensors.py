@@ -60,8 +60,8 @@ def test_a_clock_that_is_off_shifts_positions_and_speeds_either_way_and_nothing_
 def test_a_drifting_clock_is_off_by_its_rate_times_the_time() -> None:
     run = track(lively())
     seen = observe(run[None], record({"effect": "clock_drift", "rate": -0.02}), DT)[0]
-    lines = [float(np.interp(1.02 * t, times(run), run[:, NORTH])) for t in times(run)[:190]]
-    assert seen[:190, NORTH] == pytest.approx(lines, abs=1e-9)
+    north = [float(np.interp(1.02 * t, times(run), run[:, NORTH])) for t in times(run)[:190]]
+    assert seen[:190, NORTH] == pytest.approx(north, abs=1e-9)
     assert rows_ahead(record({"effect": "clock_drift", "rate": -0.02}), 20.0, DT) == 4
     assert rows_ahead(record({"effect": "clock_offset", "offset": 1.0}), 20.0, DT) == 0
 

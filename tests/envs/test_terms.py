@@ -107,10 +107,10 @@ def test_each_term_counts_what_its_table_says() -> None:
 
 
 def test_the_distance_from_the_gates_middle_line_is_a_cost() -> None:
-    message = driven(GatesEnv(disturbances="calm"))
-    seen = {name: message["seen"][1:, i] for i, name in enumerate(OBSERVATION)}
+    result = driven(GatesEnv(disturbances="calm"))
+    seen = {name: result["seen"][1:, i] for i, name in enumerate(OBSERVATION)}
     gates = {0: 0.0, 1: 8.0}  # east of the middle, both headed north
-    before = message["seen"][:-1, OBSERVATION.index("gates_passed")]
+    before = result["seen"][:-1, OBSERVATION.index("gates_passed")]
     off = np.abs(seen["east"] - np.array([gates[int(passed)] for passed in before]))
     np.testing.assert_allclose(paid("cross_track", "calm"), -0.1 * off, atol=1e-6)
 

@@ -136,8 +136,8 @@ def test_a_frame_is_that_of_the_given_columns_alone(
 
 def test_a_frame_of_no_given_column_is_refused(call: Call, tmp_path: Path) -> None:
     log = dataflash(tmp_path / "log.bin", 12.0)
-    message = call("runs", "import", log, "--frame", "enu", "--map", "wind_speed=0*GPS.Spd", "--out", "runs")
-    assert_complains(message, "--frame enu: is of columns that --map gives, and none is x, y, yaw, qw")
+    result = call("runs", "import", log, "--frame", "enu", "--map", "wind_speed=0*GPS.Spd", "--out", "runs")
+    assert_complains(result, "--frame enu: is of columns that --map gives, and none is x, y, yaw, qw")
 
 
 def test_the_headers_of_a_simulation_have_a_clock_of_their_own(tmp_path: Path) -> None:
@@ -166,8 +166,8 @@ def test_a_log_without_a_heading_is_one_line_that_names_the_option_to_give(
     call: Call, tmp_path: Path
 ) -> None:
     log = receiver_bag(tmp_path / "log.bag", "boat", topics=("/fix",))
-    message = call("runs", "import", log, "--out", "a")
-    assert_complains(message, "no message gives a valid heading; see --list, and give --map")
+    result = call("runs", "import", log, "--out", "a")
+    assert_complains(result, "no message gives a valid heading; see --list, and give --map")
 
 
 def test_rows_are_taken_at_the_stamps_of_the_positions(tmp_path: Path) -> None:
@@ -267,9 +267,9 @@ def test_a_file_of_another_kind_is_reported_by_its_beginning(
     call: Call, tmp_path: Path, suffix: str, what: str, content: bytes
 ) -> None:
     (tmp_path / f"log.{suffix}").write_bytes(content)
-    message = call("runs", "import", f"log.{suffix}", "--out", "a")
-    assert_complains(message, "does not begin as one; check its name")
-    assert f"log.{suffix}: is no {what}" in message[2]
+    result = call("runs", "import", f"log.{suffix}", "--out", "a")
+    assert_complains(result, "does not begin as one; check its name")
+    assert f"log.{suffix}: is no {what}" in result[2]
 
 
 @pytest.mark.parametrize(("storage", "repair"), [("ros1", "rosbag reindex"), ("mcap", "mcap recover")])
@@ -279,9 +279,9 @@ def test_a_bag_without_its_end_is_reported_with_what_repairs_it(
     made = bag(tmp_path / "log.bag", storage, 12.0)
     path = made if made.is_file() else next(made.glob("*.mcap")).rename(tmp_path / "log.mcap")
     cut_short(path, 0.5)
-    message = call("runs", "import", path, "--out", "a")
-    assert_complains(message, f"copy it again, or repair it with {repair}")
-    assert "Error:" not in message[2]
+    result = call("runs", "import", path, "--out", "a")
+    assert_complains(result, f"copy it again, or repair it with {repair}")
+    assert "Error:" not in result[2]
 
 
 @pytest.mark.parametrize("name", LOGS)

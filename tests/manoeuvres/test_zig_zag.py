@@ -67,20 +67,20 @@ def test_a_run_without_a_manoeuvre_is_refused_in_one_line() -> None:
 
 def test_a_run_whose_manoeuvre_is_unknown_names_the_known_ones() -> None:
     run = nomoto_zig_zag(0.8, 1.5, 0.35, 0.35)
-    message = Run("odd", run.columns, run.meta.model_copy(update={"manoeuvre": "waltz"}))
+    odd_run = Run("odd", run.columns, run.meta.model_copy(update={"manoeuvre": "waltz"}))
     with pytest.raises(UserError, match="'waltz' is none of turning-circle, zig-zag"):
-        analyse_run(message, BOAT)
+        analyse_run(odd_run, BOAT)
 
 
 def test_marks_without_an_angle_are_refused_in_one_line() -> None:
     run = nomoto_zig_zag(0.8, 1.5, 0.35, 0.35)
-    message = {"manoeuvre": "zig-zag", "marks": [{"time": 1.0, "phase": "execute"}]}
+    entries = {"manoeuvre": "zig-zag", "marks": [{"time": 1.0, "phase": "execute"}]}
     with pytest.raises(UserError, match="odd: marks of a zig-zag need the angle"):
-        analyse_run(Run("odd", run.columns, RunMeta.model_validate(message)), BOAT)
+        analyse_run(Run("odd", run.columns, RunMeta.model_validate(entries)), BOAT)
 
 
 def test_marks_that_are_none_are_refused_in_one_line() -> None:
     run = nomoto_zig_zag(0.8, 1.5, 0.35, 0.35)
-    message = {"manoeuvre": "zig-zag", "marks": [{"at": 1.0}]}
+    entries = {"manoeuvre": "zig-zag", "marks": [{"at": 1.0}]}
     with pytest.raises(UserError, match="odd: marks must be mappings with time"):
-        analyse_run(Run("odd", run.columns, RunMeta.model_validate(message)), BOAT)
+        analyse_run(Run("odd", run.columns, RunMeta.model_validate(entries)), BOAT)

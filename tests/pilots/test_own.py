@@ -116,10 +116,10 @@ def test_a_wrong_class_or_option_is_refused_by_key(
 def test_an_installed_packages_entry_point_is_a_kind_that_is_trained_stored_and_read_again(
     place: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    message = place / "their_package-1.0.dist-info"
-    message.mkdir()
-    (message / "METADATA").write_text("Metadata-Version: 2.1\nName: their-package\nVersion: 1.0\n")
-    (message / "entry_points.txt").write_text(f"[{own.GROUP}]\nmine = my_pilot:MyPilot\n")
+    metadata = place / "their_package-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: their-package\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text(f"[{own.GROUP}]\nmine = my_pilot:MyPilot\n")
     assert "mine" in own.own_kinds()
     out = run_experiment(experiment(place, kind="mine", options={"epochs": 3}), out=place / "out")
     assert json.loads((out / "results.json").read_text())["pilots"]["mine"]["kind"] == "mine"
@@ -128,7 +128,7 @@ def test_an_installed_packages_entry_point_is_a_kind_that_is_trained_stored_and_
     assert load_pilot(out / "pilots" / "mine").kind == "mine"
     again = evaluate_folders([out / "pilots" / "mine"], {}, out=place / "again")
     assert rates(again)["mine"]["levels"] == rates(out)["mine"]["levels"]
-    shutil.rmtree(message)
+    shutil.rmtree(metadata)
     forget(monkeypatch)
     with pytest.raises(UserError, match=r"kind 'mine' is none of"):
         load_pilot(out / "pilots" / "mine")

@@ -204,8 +204,8 @@ def test_a_gap_longer_than_fill_is_not_interpolated(tmp_path: Path) -> None:
     path = write_csv(tmp_path / "log.csv", foreign() | {"t_ms": (1000.0 * times).tolist()})
     for fill in (0.0, 5.0):
         wishes = Wishes(WISHES.renamed, WISHES.units, resample=20.0, fill=fill)
-        message = ["row 21 (line 22), column time: 5.1 s after the row before; --fill SECONDS", "--bad-rows"]
-        refused(tmp_path, path, "csv", *message, wishes=wishes)
+        listed = ["row 21 (line 22), column time: 5.1 s after the row before; --fill SECONDS", "--bad-rows"]
+        refused(tmp_path, path, "csv", *listed, wishes=wishes)
     wishes = Wishes(WISHES.renamed, WISHES.units, resample=20.0, fill=5.2)
     import_runs([path], "csv", tmp_path / "out", None, wishes)
     assert read_dataset(tmp_path / "out").runs[0].duration == pytest.approx(8.9)

@@ -74,10 +74,10 @@ def run(
     process.stdin.write(json.dumps(asked) + "\n")
     process.stdin.flush()
     status = int(process.stdout.readline())
-    message = [file.read_text(encoding="utf-8") for file in (out, error)]
+    listed = [file.read_text(encoding="utf-8") for file in (out, error)]
     for file in (out, error):
         file.unlink()
-    return subprocess.CompletedProcess(list(words), status, *message)
+    return subprocess.CompletedProcess(list(words), status, *listed)
 
 
 def _serve(lines: IO[str], answers: IO[str]) -> None:

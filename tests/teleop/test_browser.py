@@ -242,8 +242,8 @@ def test_the_boat_is_chosen_on_the_page_and_its_runs_are_its_own(
         return Afloat(GatesEnv(boat="swamp-light", disturbances=level, observation=senses))
 
     def kept() -> Recordings:
-        message = meta(vehicle="swamp-light", mass=light.mass, draught=light.draught)
-        return Recordings(tmp_path / "runs" / "swamp-light", message, lambda line: None)
+        described = meta(vehicle="swamp-light", mass=light.mass, draught=light.draught)
+        return Recordings(tmp_path / "runs" / "swamp-light", described, lambda line: None)
 
     boats = {"swamp-light": Berth(make_craft, ("calm", "severe"), kept)}
     pilots: dict[str, Pilot] = {"ai": ScriptedPilot(0)}

@@ -79,8 +79,8 @@ def killed(tmp_path: Path) -> Iterator[Callable[[Path, float], set[str]]]:
         assert process.stdin is not None and process.stdout is not None
         process.stdin.write(f"{after} {folder}\n")
         process.stdin.flush()
-        message = list(iter(process.stdout.readline, "killed\n"))
-        return {line.split()[1] for line in message}
+        lines = list(iter(process.stdout.readline, "killed\n"))
+        return {line.split()[1] for line in lines}
 
     yield kill
     process.stdin.close()

@@ -97,8 +97,8 @@ def test_a_run_kept_from_its_middle_on_sails_again_with_the_commands_before_it(t
     # 0.23 s is two steps and a part of the third.
     before = commands[first - 3 : first].T.tolist()
     channels = [f"{kind}_{name}" for kind in ("azimuth", "throttle") for name in boat.thruster_names]
-    message = {"initial_state": start, "earlier_commands": dict(zip(channels, before, strict=True))}
-    meta = RunMeta.model_validate(whole.meta.model_dump() | message)
+    entries = {"initial_state": start, "earlier_commands": dict(zip(channels, before, strict=True))}
+    meta = RunMeta.model_validate(whole.meta.model_dump() | entries)
     assert largest_difference(Run("rest", rest, meta), boat) == 0.0
     forgotten = meta.model_copy(update={"earlier_commands": {}})
     assert largest_difference(Run("rest", rest, forgotten), boat) > 1e-6

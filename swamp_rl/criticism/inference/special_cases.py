@@ -34,8 +34,8 @@ def with_sufficient_special_cases(
             if not declared or special.selectors != instance.selectors:
                 continue
             plain = with_special(continuation, found.winner, instance, special, found.stage)
-            noise = not found.adequate or continuation.is_adequate(found.stage, plain)
-            if noise and _predicts_as_well(continuation, plain, found, on, rng):
+            adequate = not found.adequate or continuation.is_adequate(found.stage, plain)
+            if adequate and _predicts_as_well(continuation, plain, found, on, rng):
                 simpler = replace(found, winner=plain)
                 return with_sufficient_special_cases(continuation, simpler, instances, on, rng)
     return found

@@ -48,18 +48,16 @@ def test_an_effects_bounds_neutral_value_and_whether_it_must_be_given_are_report
 
 @pytest.mark.parametrize("kind", ["boats", "courses"])
 def test_every_shipped_file_is_listed(call: Call, kind: str) -> None:
-    message = [line.split()[0].rstrip(":") for line in lines(call, kind) if not line.startswith(" ")]
-    assert message == sorted(path.stem for path in (CONFIGS / kind).glob("*.yaml"))
+    listed = [line.split()[0].rstrip(":") for line in lines(call, kind) if not line.startswith(" ")]
+    assert listed == sorted(path.stem for path in (CONFIGS / kind).glob("*.yaml"))
 
 
 def test_a_boat_is_reported_number_by_number(call: Call) -> None:
-    message = lines(call, "boats", "swamp")
-    assert len(message) == len(load_boat("swamp").provenance)
-    assert "mass = 58 [kg], measured: thesis 4.4.1 and 8.1.3, full load" in message
-    assert "thrusters.ss.x = -0.35 [m], measured: thesis 5.7.1" in message
-    assert any(
-        line.startswith("resistance.table.0.speed = 0.5, 0.62, 0.74, 0.88, 1 [m/s]") for line in message
-    )
+    shown = lines(call, "boats", "swamp")
+    assert len(shown) == len(load_boat("swamp").provenance)
+    assert "mass = 58 [kg], measured: thesis 4.4.1 and 8.1.3, full load" in shown
+    assert "thrusters.ss.x = -0.35 [m], measured: thesis 5.7.1" in shown
+    assert any(line.startswith("resistance.table.0.speed = 0.5, 0.62, 0.74, 0.88, 1 [m/s]") for line in shown)
 
 
 def test_a_boat_file_by_its_path_tells_its_effects(call: Call, tmp_path: Path) -> None:
@@ -68,9 +66,9 @@ def test_a_boat_file_by_its_path_tells_its_effects(call: Call, tmp_path: Path) -
 
 
 def test_a_course_is_reported_in_degrees_and_metres(call: Call) -> None:
-    message = lines(call, "courses", "camogli")
-    assert message[0] == "camogli: 2 gates, time limit 120 s"
-    assert "  gate red: north 22, east 8 m, width 4 m, passed towards 0 deg" in message
+    shown = lines(call, "courses", "camogli")
+    assert shown[0] == "camogli: 2 gates, time limit 120 s"
+    assert "  gate red: north 22, east 8 m, width 4 m, passed towards 0 deg" in shown
 
 
 def test_every_kind_of_pilot_tells_its_options_with_default_and_bounds(call: Call) -> None:

@@ -33,8 +33,8 @@ def results(tmp_path: Path) -> Path:
     folder = tmp_path / "camogli"
     dataset(folder / "data", "human", ["run-1", "run-2"])
     dataset(folder / "driven" / "reservoir", "learned", ["reservoir-0", "reservoir-1"])
-    message = {"race": {"runs": {"human": "run-2", "reservoir": "reservoir-1"}}, "data": {"source": "human"}}
-    (folder / "results.json").write_text(json.dumps(message))
+    entries = {"race": {"runs": {"human": "run-2", "reservoir": "reservoir-1"}}, "data": {"source": "human"}}
+    (folder / "results.json").write_text(json.dumps(entries))
     return folder
 
 

@@ -148,8 +148,8 @@ def test_beside_a_strangers_packages_the_wheels_own_are_imported(stranger: Stran
 
 
 def test_the_wheel_and_the_checkout_it_was_built_from_have_the_same_machine_code(stranger: Stranger) -> None:
-    message = stranger.python("from swamp_rl.physics import compile; print(compile.cache_folder())")
-    assert message == f"{cache_folder()}\n"
+    output = stranger.python("from swamp_rl.physics import compile; print(compile.cache_folder())")
+    assert output == f"{cache_folder()}\n"
 
 
 def test_the_first_use_says_at_a_terminal_that_it_compiles_and_the_second_does_not(
@@ -165,10 +165,10 @@ def test_the_first_use_says_at_a_terminal_that_it_compiles_and_the_second_does_n
 def test_beside_a_strangers_packages_an_experiment_a_demo_and_a_diagnosis_run(stranger: Stranger) -> None:
     stranger.swamp_rl("run", "smoke", "--set", "smoke=true", "--out", "results")
     assert (stranger.home / "results" / "report.md").is_file()
-    message = stranger.swamp_rl("demo", "--html", "shipped.html")
-    assert "1 scripted, 1 cloning, 1 reservoir, 1 line-of-sight; same start, same weather" in message
+    output = stranger.swamp_rl("demo", "--html", "shipped.html")
+    assert "1 scripted, 1 cloning, 1 reservoir, 1 line-of-sight; same start, same weather" in output
     assert (stranger.home / "shipped.html").stat().st_size > 10_000
     stranger.swamp_rl("trial", "zig-zag", "--angle", "20", "--throttle", "0.6", "--out", "sea")
-    message = stranger.swamp_rl("diagnose", "sea", "--boat", "swamp", "--out", "diagnosis")
-    assert "\nverdict: " in message
+    output = stranger.swamp_rl("diagnose", "sea", "--boat", "swamp", "--out", "diagnosis")
+    assert "\nverdict: " in output
     assert (stranger.home / "diagnosis" / "report.html").is_file()

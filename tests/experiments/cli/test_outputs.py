@@ -68,8 +68,8 @@ def test_a_file_that_is_read_is_not_replaced(call: Call, dataset: dict[str, str]
     Path("apart/same.parquet").hardlink_to("apart/run.parquet")
     before = Path("apart/run.parquet").read_bytes()
     for out in ("apart/run.parquet", "apart/../apart/run.parquet", "apart/same.parquet"):
-        message = call("simulate", "--commands", "apart/run.parquet", "--out", out)
-        assert_complains(message, out, "already exists and is read by this command", "name another file")
+        result = call("simulate", "--commands", "apart/run.parquet", "--out", out)
+        assert_complains(result, out, "already exists and is read by this command", "name another file")
     assert Path("apart/run.parquet").read_bytes() == before
 
 
@@ -102,10 +102,8 @@ def test_tracks_are_drawn_anew_for_the_same_runs_and_not_over_those_of_others_of
     for _ in range(2):
         assert call("runs", "show", "runs")[0] == 0
     drawn = Path("results/runs-tracks.png").read_bytes()
-    message = call("runs", "show", "other/runs")
-    assert_complains(
-        message, "--out results/runs-tracks.png: already exists; name another file, or remove it"
-    )
+    result = call("runs", "show", "other/runs")
+    assert_complains(result, "--out results/runs-tracks.png: already exists; name another file, or remove it")
     assert Path("results/runs-tracks.png").read_bytes() == drawn
     assert call("runs", "show", "other/runs", "--out", "other.png")[0] == 0
 

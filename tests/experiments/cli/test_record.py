@@ -116,8 +116,8 @@ def test_a_recorder_asked_twice_to_end_ends_in_order(tmp_path: Path, first: sign
             process.send_signal(first)
             until(lambda: not listens(address), "the recorder heeds the first signal")
             code, arguments = stopped(process, signal.SIGINT)
-    message = {signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}[first]
-    assert (code, arguments) == (128 + first, f"{folder}: 0 runs\nswamp-rl: {message}; ended in order\n")
+    word = {signal.SIGTERM: "terminated", signal.SIGHUP: "hung up"}[first]
+    assert (code, arguments) == (128 + first, f"{folder}: 0 runs\nswamp-rl: {word}; ended in order\n")
 
 
 def push(socket: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:

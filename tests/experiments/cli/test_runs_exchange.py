@@ -185,8 +185,8 @@ def test_the_kind_of_an_mcap_file_is_that_of_the_program_that_wrote_it(
     call: Callable[..., Called], folder: Path, tmp_path: Path
 ) -> None:
     (ros,) = bag(tmp_path / "log", "mcap").glob("*.mcap")
-    message = call("import", ros, "--list")
-    assert message[0] == 0 and message == call("import", ros, "--from", "rosbag", "--list")
+    result = call("import", ros, "--list")
+    assert result[0] == 0 and result == call("import", ros, "--from", "rosbag", "--list")
     assert call("export", folder, "--to", "mcap", "--out", "ours")[0] == 0
     first = sorted(Path("ours").glob("*.mcap"))[0]
     assert call("import", first, "--out", "again")[0] == 0

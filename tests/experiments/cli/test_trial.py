@@ -79,8 +79,8 @@ def test_a_measured_track_alone_is_analysed_once_its_manoeuvre_and_marks_are_rep
     for run in recorded.runs:
         track = {name: run.columns[name] for name in ("time", "north", "east", "heading")}
         extra = run.meta.model_extra or {}
-        message = {"manoeuvre": extra["manoeuvre"]["kind"], "marks": extra["marks"]}
-        append_run("b", Run(run.name, track, RunMeta.model_validate(message)))
+        entries = {"manoeuvre": extra["manoeuvre"]["kind"], "marks": extra["marks"]}
+        append_run("b", Run(run.name, track, RunMeta.model_validate(entries)))
     code, _, error = call("trial", "analyse", "b")
     assert (code, error) == (0, "")
     one, other = (json.loads(Path(x, "analysis/analysis.json").read_text())["runs"] for x in ("a", "b"))

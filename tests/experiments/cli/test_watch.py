@@ -82,14 +82,14 @@ def test_a_file_that_is_still_being_written_is_refused_as_such(call: Call, tmp_p
     whole = recorded(tmp_path / "run.mcap", 5.0).read_bytes()
     for length in (0, 100, len(whole) // 2):
         (tmp_path / "run.mcap").write_bytes(whole[:length])
-        message = call("watch", "--mcap", "run.mcap")
-        assert_complains(message, "run.mcap: the end of the MCAP file is missing; wait if it")
+        result = call("watch", "--mcap", "run.mcap")
+        assert_complains(result, "run.mcap: the end of the MCAP file is missing; wait if it")
 
 
 def test_a_run_of_another_boat_is_refused_in_one_line(call: Call, tmp_path: Path) -> None:
     recorded(tmp_path / "run.mcap", 5.0)
-    message = call("watch", "--mcap", "run.mcap", "--boat", "esso_osaka")
+    result = call("watch", "--mcap", "run.mcap", "--boat", "esso_osaka")
     assert_complains(
-        message, "by which boat esso_osaka is commanded, is missing; name the boat of this run by --boat"
+        result, "by which boat esso_osaka is commanded, is missing; name the boat of this run by --boat"
     )
-    assert message[2].count("\n") == 1
+    assert result[2].count("\n") == 1

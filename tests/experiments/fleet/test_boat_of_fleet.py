@@ -11,12 +11,12 @@ from tests.support.sweep_pools import PoolHere
 
 
 def test_it_is_read_once_for_all_datasets(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    message = {"red": {"causes": []}, "blue": {"causes": []}}
-    datasets(tmp_path / "in", message)
+    entries = {"red": {"causes": []}, "blue": {"causes": []}}
+    datasets(tmp_path / "in", entries)
     boat = tmp_path / "boat.yaml"
     write_yaml(boat, {"extends": "swamp"})
     read: list[Path] = []
     monkeypatch.setattr("swamp_rl.boat.load.read_yaml", lambda file: (read.append(file), read_yaml(file))[1])
-    given = [tmp_path / "in" / name for name in message]
+    given = [tmp_path / "in" / name for name in entries]
     found = diagnose_fleet(given, tmp_path / "out", str(boat), pool=PoolHere(pretend, 1, 0))
     assert [one.error for one in found.members] == [None, None] and read.count(boat) == 1

@@ -87,8 +87,8 @@ def test_the_report_is_the_same_in_any_order_and_with_any_number_of_workers(fold
     backwards = diagnose_fleet(
         [folder / "in" / name for name in reversed(DIAGNOSES)], folder / "back", pool=PoolHere(pretend, 2, 3)
     )
-    meta = [one.model_dump(exclude={"dataset"}) for one in backwards.members]
-    assert meta == [one.model_dump(exclude={"dataset"}) for one in one.members]
+    members = [one.model_dump(exclude={"dataset"}) for one in backwards.members]
+    assert members == [one.model_dump(exclude={"dataset"}) for one in one.members]
 
 
 def test_what_is_done_is_kept_and_what_changed_or_was_half_done_is_done_again(folder: Path) -> None:
@@ -106,8 +106,8 @@ def test_what_is_done_is_kept_and_what_changed_or_was_half_done_is_done_again(fo
 
 @pytest.mark.slow
 def test_killed_at_any_moment_the_same_command_goes_on(tmp_path: Path) -> None:
-    message = {f"boat{number}": {"causes": [MASS], "seconds": 0.3} for number in range(8)}
-    given = datasets(tmp_path / "in", message)
+    entries = {f"boat{number}": {"causes": [MASS], "seconds": 0.3} for number in range(8)}
+    given = datasets(tmp_path / "in", entries)
     asked = [sys.executable, "-m", "tests.support.fleets", *map(str, (tmp_path / "out", *given))]
     with subprocess.Popen(asked, stdout=subprocess.PIPE, text=True) as running:
         assert running.stdout is not None
@@ -118,7 +118,7 @@ def test_killed_at_any_moment_the_same_command_goes_on(tmp_path: Path) -> None:
     assert not (tmp_path / "out" / "fleet.json").exists()
     done = subprocess.run(asked, check=True, stdout=subprocess.PIPE, text=True, timeout=PATIENCE)
     again = done.stdout.split()
-    assert set(again) <= set(message)
+    assert set(again) <= set(entries)
     assert not set(again) & set(heard), "a dataset that had ended was diagnosed again"
     whole = json.loads((tmp_path / "out" / "fleet.json").read_text())
     unbroken = diagnose_fleet(given, tmp_path / "unbroken", pool=PoolHere(pretend, 1, 0))

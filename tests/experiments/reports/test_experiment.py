@@ -46,9 +46,9 @@ def test_targets_are_counted_only_where_some_are_set(reached: list[bool], messag
 
 
 def test_failures_are_counted_by_how_they_ended_the_most_first() -> None:
-    message = results({"ppo": 0.4, "sac": 1.0})
+    result = results({"ppo": 0.4, "sac": 1.0})
     ends = {"ppo": {"success": 4, "buoy": 1, "out_of_bounds": 5}, "sac": {"success": 10}}
     for name, outcomes in ends.items():
-        message["pilots"][name]["levels"]["calm"]["outcomes"] = outcomes
-    text = failures(message)
+        result["pilots"][name]["levels"]["calm"]["outcomes"] = outcomes
+    text = failures(result)
     assert "| ppo | 5 out of bounds, 1 buoy |" in text and "| sac | none |" in text

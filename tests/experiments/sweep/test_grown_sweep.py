@@ -36,9 +36,9 @@ def no_training(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def swept(folder: Path, out: str, **changes: Any) -> tuple[list[Trial], dict[str, Any]]:
     """The trials that were carried out now, and what the report holds of all."""
-    message = {"name": "s", "experiment": "smoke", "objective": {"pilot": "reservoir", "level": "calm"}}
-    message["parameters"] = {UNITS: {"grid": [10, 20]}, SEED: {"grid": [0, 1]}}
-    (folder / "sweep.yaml").write_text(yaml.safe_dump(message | changes, sort_keys=False))
+    entries = {"name": "s", "experiment": "smoke", "objective": {"pilot": "reservoir", "level": "calm"}}
+    entries["parameters"] = {UNITS: {"grid": [10, 20]}, SEED: {"grid": [0, 1]}}
+    (folder / "sweep.yaml").write_text(yaml.safe_dump(entries | changes, sort_keys=False))
     done: list[Trial] = []
     run_sweep(folder / "sweep.yaml", out=folder / out, tell=lambda trial, total: done.append(trial))
     found = json.loads((folder / out / "sweep.json").read_text())

@@ -122,9 +122,9 @@ def test_trials_are_counted_from_one_wherever_they_are_reported(
 
     monkeypatch.setattr("swamp_rl.experiments.sweep.run.run_sweep", carried_out)
     sweep_verb("formula.yaml")
-    message = [line.split(" (")[0] for line in capsys.readouterr().out.splitlines()]
+    listed = [line.split(" (")[0] for line in capsys.readouterr().out.splitlines()]
     found, page = json.loads((tmp_path / "sweep.json").read_text()), (tmp_path / "sweep.md").read_text()
-    assert message[0] == "trial 1 of 9" and message[8] == "trial 9 of 9"
+    assert listed[0] == "trial 1 of 9" and listed[8] == "trial 9 of 9"
     numbers = [one["trial"] for one in found["trials"]]
     assert numbers == [int(key) for key in found["measured"]] == [*range(1, 10)]
     best = found["best"]["trial"]
@@ -181,10 +181,10 @@ def test_a_sweep_does_not_go_on_with_a_boat_file_that_has_changed_since(
     boat = tmp_path / "mine.yaml"
     boat.write_text("extends: swamp\nname: mine\n")
     file = tmp_path / "sweep.yaml"
-    message = {"name": "s", "experiment": "smoke", "set": {"boat": str(boat)}}
-    message |= {"parameters": {"pilots.reservoir.options.units": {"grid": [10, 20]}}}
-    message |= {"objective": {"pilot": "reservoir", "level": "calm"}}
-    file.write_text(yaml.safe_dump(message))
+    entries = {"name": "s", "experiment": "smoke", "set": {"boat": str(boat)}}
+    entries |= {"parameters": {"pilots.reservoir.options.units": {"grid": [10, 20]}}}
+    entries |= {"objective": {"pilot": "reservoir", "level": "calm"}}
+    file.write_text(yaml.safe_dump(entries))
     monkeypatch.setattr("swamp_rl.experiments.sweep.run.carry_on", stopped)
     for _ in range(2):
         with pytest.raises(KeyboardInterrupt):

@@ -56,8 +56,8 @@ def test_runs_kept_from_the_first_thrust_cover_every_start(
 def test_runs_kept_from_the_first_gate_are_reported_in_one_line_a_learner(
     driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    message = printed_in_training(cut_at_the_first_gate(driven, tmp_path / "cut"), tmp_path / "out", capsys)
-    lines = [line for line in message.splitlines() if "evaluation" in line]
+    output = printed_in_training(cut_at_the_first_gate(driven, tmp_path / "cut"), tmp_path / "out", capsys)
+    lines = [line for line in output.splitlines() if "evaluation" in line]
     assert [line.split(": ")[1] for line in lines] == ["pilots.reservoir-alone", "pilots.cloning"]
     for line in lines:
         assert "no run covers the starts of the evaluation: 100 %" in line and "3 training runs" in line
@@ -81,8 +81,8 @@ def test_one_whole_run_covers_the_starts(
 def test_calm_runs_are_reported_where_the_pilot_is_tried_among_disturbances(
     driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    message = printed_in_training(driven, tmp_path / "out", capsys)
-    lines = [line for line in message.splitlines() if "without disturbances" in line]
+    output = printed_in_training(driven, tmp_path / "out", capsys)
+    lines = [line for line in output.splitlines() if "without disturbances" in line]
     assert [line.split(": ")[1] for line in lines] == ["pilots.reservoir-alone", "pilots.cloning"]
     for line in lines:
         assert "3 of the 3 training runs" in line and "tested at standard, severe" in line
@@ -96,8 +96,8 @@ def test_calm_runs_suffice_for_calm_water(
         "pilots": {"echo": {"kind": "reservoir"}},
         "evaluation": {"levels": ["calm"], "episodes": 5, "seed": 1},
     }
-    message = {"name": "calm", "boat": "swamp", "course": "camogli", "data": {"folder": str(driven)}, **plans}
-    (tmp_path / "calm.yaml").write_text(json.dumps(message))
+    entries = {"name": "calm", "boat": "swamp", "course": "camogli", "data": {"folder": str(driven)}, **plans}
+    (tmp_path / "calm.yaml").write_text(json.dumps(entries))
     train_experiment(tmp_path / "calm.yaml", out=tmp_path / "out")
     assert "without disturbances" not in capsys.readouterr().err
 
