@@ -158,3 +158,12 @@ def test_no_effect_is_hidden_that_no_recorded_channel_shows(tmp_path: Path) -> N
     header = (data / "run_0.csv").read_text().splitlines()[0].split(",")
     hidden = [effect["effect"] for effect in stored["effects"]]
     assert "gyro_bias" not in hidden or "yaw_rate" in header
+
+
+def test_no_exchange_of_thrusters_is_hidden_whose_commands_are_equal(tmp_path: Path) -> None:
+    """Number 27004 draws an exchange of the two stern thrusters first."""
+    _, truth = written(27004, "X", tmp_path)
+    exchanged = [
+        e["thruster"] for e in json.loads(truth.read_text())["effects"] if LIBRARY[e["effect"]].swaps
+    ]
+    assert not any(set(pair) in ({"bs", "bp"}, {"ss", "sp"}) for pair in exchanged)

@@ -8,7 +8,7 @@ velocities measured or not.
 import json
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +38,8 @@ KINDS = ("single",) * 6 + ("pair", "pair", "clean", "clean", "outside")
 TICK = 0.05  # s, of commands and of the truth
 MOST = 3000  # rows of all runs, but for two that there always are
 LEAST_ACTING = 0.1  # share of the time of all runs in which a force outside the library acts
-SHOWN_BY = {"gyro_bias": "yaw_rate"}  # effects that one channel alone shows
+LEAST_SHOWN = 0.01  # standard deviations of the white noise by which an effect moves a recorded channel
+ALWAYS, VELOCITIES = ("north", "east", "heading"), ("surge", "sway", "yaw_rate")
 
 # What may be wrong with the model ship; forces against its own, which weigh four times SWAMP's
 SHIP: dict[str, Callable[[Rng, float], dict[str, Any]]] = {
@@ -102,28 +103,26 @@ def draw_instruments(rng: Rng) -> Instruments:
 def write_variant(rng: Rng, data: Path, truth: Path) -> None:
     """Simulate a case of level X; write its runs into the folder `data`, its causes into the file `truth`.
 
-    A case outside the library that hardly acts is drawn again, and one that no recorded channel shows.
+    A case outside the library that hardly acts is drawn again, and one with an effect that no recorded
+    channel shows, as an exchange of two thrusters whose commands are equal.
     """
     name = str(rng.choice(["swamp", "swamp-light", "esso_osaka"], p=[0.4, 0.35, 0.25]))
     boat, instruments = load_boat(name), draw_instruments(rng)
     case = draw_variant(rng, boat)
-    needed = {SHOWN_BY[effect] for effect in case.names if effect in SHOWN_BY}
-    if not needed <= set(instruments.channels):
-        write_variant(rng, data, truth)
-        return
     runs = int(rng.integers(2, 13))
     lengths = rng.uniform(100.0 if is_ship(boat) else 30.0, 300.0, runs)
     lengths = lengths[: max(2, int((np.cumsum(lengths) * instruments.rate <= MOST).sum()))]
     tables = []
-    acting = 0.0
+    acting, shown = 0.0, np.zeros(len(case.effects), dtype=bool)
     for length in lengths:
         start = np.array([*rng.uniform(-5, 5, 2), rng.uniform(-math.pi, math.pi)])
         driver = driver_of(boat, rng)
         driver = driver if instruments.between else held(driver, 1.0 / instruments.rate)
         voyage = sail(boat, case, driver, start, round(length / TICK), tick=TICK)
         acting += length * acting_share(case, boat, voyage)
+        shown |= effects_shown(case, boat, voyage, instruments)
         tables.append(rows_of(boat, voyage, instruments, rng))
-    if case.outside and acting < LEAST_ACTING * lengths.sum():
+    if not shown.all() or (case.outside and acting < LEAST_ACTING * lengths.sum()):
         write_variant(rng, data, truth)
         return
     data.mkdir(parents=True)
@@ -131,6 +130,28 @@ def write_variant(rng: Rng, data: Path, truth: Path) -> None:
     truth.parent.mkdir(parents=True, exist_ok=True)
     entries = vars(instruments) | {"white": instruments.white.tolist()}
     truth.write_text(json.dumps(vars(case) | {"boat": name, "instruments": entries}, indent=1))
+
+
+def effects_shown(case: Case, boat: Boat, voyage: Voyage, instruments: Instruments) -> NDArray[np.bool_]:
+    """(E,) whether a recorded channel would differ by `LEAST_SHOWN` without each effect of a case."""
+    names = (*ALWAYS, *VELOCITIES)
+    recorded = [i for i, name in enumerate(names) if name in (*ALWAYS, *instruments.channels)]
+    white = instruments.white[recorded]
+
+    def again(time: float, state: Array) -> Array:
+        return voyage.commands[min(round(time / TICK), len(voyage.commands) - 1)]
+
+    def measured(one: Voyage) -> Array:
+        return observe(one.track[None], one.record, TICK)[0, : len(voyage.commands), recorded].T
+
+    found = np.zeros(len(case.effects), dtype=bool)
+    for i, effect in enumerate(case.effects):
+        less = replace(case, effects=[one for one in case.effects if one is not effect])
+        steps = len(voyage.commands) - 1
+        without = sail(boat, less, again, voyage.track[0, :3], steps, tick=TICK)
+        moved = measured(voyage) - measured(without)
+        found[i] = (np.abs(moved) > LEAST_SHOWN * white).any()
+    return found
 
 
 def is_ship(boat: Boat) -> bool:
@@ -258,7 +279,7 @@ def rows_of(boat: Boat, voyage: Voyage, instruments: Instruments, rng: Rng) -> d
     kept[[0, -1]] = True
     columns = {"time": TICK * every * np.arange(rows), "north": measured[:, 0], "east": measured[:, 1]}
     columns["heading"] = wrapped(measured[:, 2])
-    for index, name in enumerate(("surge", "sway", "yaw_rate")):
+    for index, name in enumerate(VELOCITIES):
         if name in instruments.channels:
             columns[name] = measured[:, 3 + index]
     columns |= commands_of(boat, voyage.commands[::every])
