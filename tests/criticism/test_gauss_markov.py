@@ -53,16 +53,16 @@ def test_the_filter_gives_the_likelihood_of_the_whole_covariance() -> None:
 @pytest.mark.parametrize("channels", [(0, 1), (3,)])
 def test_size_and_time_constant_are_estimated_and_are_zero_for_white_noise(channels: tuple[int]) -> None:
     rng = np.random.default_rng(1)
-    cut = windows(10, 400)
+    cut = windows(80, 400)
     values = rng.standard_normal(cut.weight.shape)
     for channel in channels:
-        values[..., channel] += gauss_markov_noise(rng, (10, 400), 4.0, 10.0)
+        values[..., channel] += gauss_markov_noise(rng, (80, 400), 3.4, 17.0)
     slow = fit_gauss_markov(cut, values * cut.weight, DT)
     assert np.flatnonzero(slow[:, 0]).tolist() == list(channels)
     assert (slow[channels, :] == slow[channels[0]]).all()
     size, seconds = slow[channels[0]]
-    assert 2.0 < size < 8.0
-    assert 3.0 <= seconds <= 30.0
+    assert 0.8 * 3.4 < size < 1.25 * 3.4
+    assert 0.7 * 17.0 < seconds < 1.4 * 17.0
 
 
 def test_a_position_that_was_not_measured_has_no_noise() -> None:

@@ -1,5 +1,6 @@
 """Measurement noise as the sum of white noise and a first-order Gauss-Markov process, and its whitening."""
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +55,8 @@ def kalman_filter(windows: Windows, process: Array, dt: float) -> Filter:
 def fit_gauss_markov(windows: Windows, difference: Array, dt: float) -> Array:
     """(6, 2) standard deviation and time constant [s] of each channel's process at maximum likelihood, 0
     where white noise is as likely; difference: (W, T, 6) measured less predicted, standardised. North and
-    east are of one receiver: their processes are alike.
+    east are of one receiver: their processes are alike. The best point of a grid, then of ever finer ones
+    about it.
     """
     weight = windows.weight[:, windows.pad :].max(axis=(0, 1))
     unit = np.where(weight > 0.0, 1.0 / np.maximum(weight, 1e-12), 0.0)
@@ -62,12 +64,21 @@ def fit_gauss_markov(windows: Windows, difference: Array, dt: float) -> Array:
     best = np.zeros((len(CHANNELS), 2))
     white = _minus_two_log_likelihood(windows, difference, np.zeros((len(CHANNELS), 2)), dt)
     least = white - options().wander_gain
-    for time in options().wander_times:
-        for size in np.array(options().wander_sizes):
-            process = np.column_stack([size * unit, np.full(len(CHANNELS), time)])
-            found = _minus_two_log_likelihood(windows, difference, process, dt)
-            better = found < least
-            best[better], least[better] = process[better], found[better]
+
+    def take_better(process: Array) -> None:
+        found = _minus_two_log_likelihood(windows, difference, process, dt)
+        better = found < least
+        best[better], least[better] = process[better], found[better]
+
+    times, sizes = options().wander_times, options().wander_sizes
+    for time, size in itertools.product(times, sizes):
+        take_better(np.column_stack([size * unit, np.full(len(CHANNELS), time)]))
+    for factors in options().wander_finer if best.any() else ():
+        middle = best.copy()
+        for signs in itertools.product((-1, 0, 1), repeat=2):
+            finer = middle * np.array(factors) ** signs
+            finer[:, 1] = np.clip(finer[:, 1], times[0], times[-1])
+            take_better(finer)
     return np.where(weight[:, None] > 0.0, best, 0.0)
 
 

@@ -266,10 +266,15 @@ def _with_position_noise(
 
 
 def slowest_noise(continuation: Continuation, winner: Fit) -> Array:
-    """(6, 2) Gauss-Markov position noise beside a hypothesis, from whole runs unless these diverged."""
-    stage = MIDDLE if diverged(continuation, winner) else LAST
-    at = continuation.at(stage, winner)
-    return _only_positions(_position_noise(continuation.problem(stage, at.hypothesis), at)[0])
+    """(6, 2) Gauss-Markov position noise beside a hypothesis, from whole runs unless these leave more beside
+    it, as of a boat that is unstable on course.
+    """
+    whole = continuation.at(LAST, winner)
+    noise, aware, at = _beside_own_noise(continuation.problem(LAST, whole.hypothesis), whole)
+    if not near(aware, at):
+        middle = continuation.at(MIDDLE, winner)
+        noise, _, _ = _beside_own_noise(continuation.problem(MIDDLE, middle.hypothesis), middle)
+    return _only_positions(noise)
 
 
 def diverged(continuation: Continuation, winner: Fit) -> bool:
@@ -332,22 +337,23 @@ def _position_noise_beside(problem: Shooting, at: Fit) -> tuple[Array, float]:
     """Gauss-Markov noise (6, 2) beside a fit, and the gain in 2 log likelihood by that of the positions; none
     where other channels have noise or process noise is the more likely.
     """
-    noise, gain = _position_noise(problem, at)
+    noise, aware, made = _beside_own_noise(problem, at)
+    gain = measurement_noise_gain(at, aware, made)
     alone = _of_positions_alone(noise) and gain > process_noise_gain(problem, at)
     return noise, gain if alone else 0.0
 
 
-def _position_noise(problem: Shooting, white: Fit) -> tuple[Array, float]:
-    """(6, 2) Gauss-Markov noise beside a fit that includes its position part, and 2 log likelihood ratio of
-    that part.
+def _beside_own_noise(problem: Shooting, white: Fit) -> tuple[Array, Shooting, Fit]:
+    """(6, 2) Gauss-Markov noise beside a fit that includes its position part, the windows with that part and
+    the fit to them.
     """
-    at, noise, gain = white, _gauss_markov_noise(problem, white), 0.0
+    aware, at, noise = problem, white, _gauss_markov_noise(problem, white)
     for _ in range(options().wander_rounds):
         run_set = replace(problem.run_set, gauss_markov=_only_positions(noise))
         aware = Shooting(run_set, problem.weight, problem.seconds, problem.windows)
         at = fit(aware, at.hypothesis, at.x, at.states, options().again_steps)
-        noise, gain = _gauss_markov_noise(aware, at), measurement_noise_gain(white, aware, at)
-    return noise, gain
+        noise = _gauss_markov_noise(aware, at)
+    return noise, aware, at
 
 
 def _only_positions(noise: Array) -> Array:
