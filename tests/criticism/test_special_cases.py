@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.cause_share import Witness
 from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.selection.backward_elimination import Selection, with_special_cases
+from swamp_rl.criticism.selection.backward_elimination import Selection, nested, with_special_cases
 from swamp_rl.criticism.selection.continuation import continuation_of
 from tests.support.criticism import DT, SECONDS, driven, simulated_runs
 
@@ -56,6 +57,22 @@ def test_a_special_case_that_is_already_there_is_not_there_twice() -> None:
     found = with_special_cases(continuation, winner, list(every.values()), MIDDLE)
     assert found.hypothesis.label == "thruster_gain bs"
     assert found.x == pytest.approx([0.6], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("boat", "curve", "case", "contained"),
+    [
+        ("swamp", "thruster_efficiency_curve bs", "thruster_gain bs", True),
+        ("swamp", "thruster_efficiency_curve bs", "thruster_gain bp", False),
+        ("swamp", "thruster_efficiency_curve bs", "thrust_scale", False),
+        ("esso_osaka", "thruster_efficiency_curve main", "thrust_scale", True),
+    ],
+)
+def test_an_even_efficiency_is_the_gain_of_that_thruster_by_its_name_on_the_boat(
+    boat: str, curve: str, case: str, contained: bool
+) -> None:
+    known = by_label(candidates(load_boat(boat), SECONDS))
+    assert nested(Hypothesis((known[case],)), Hypothesis((known[curve],))) == contained
 
 
 def test_an_uneven_efficiency_stays_a_curve() -> None:

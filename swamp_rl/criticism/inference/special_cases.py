@@ -30,8 +30,7 @@ def with_sufficient_special_cases(
         return found
     for instance in found.winner.hypothesis.instances:
         for special in instances:
-            declared = special.effect.name in instance.effect.contains and not special.groups
-            if not declared or special.selectors != instance.selectors:
+            if special.label not in instance.contains:
                 continue
             plain = with_special(continuation, found.winner, instance, special, found.stage)
             adequate = not found.adequate or continuation.is_adequate(found.stage, plain)

@@ -49,7 +49,8 @@ class EffectInstance:
     starts: points that a fit begins from; grid: points that are only evaluated, the best of them being a
     start; groups: the group of each run, from 0 on, where every group has parameters of its own (group after
     group in x), none where all runs share them; by: what a group is. Starts and grid are of one group.
-    curve: of an effect that has one, whose values x are.
+    curve: of an effect that has one, whose values x are. contains: labels of the instances that are this one
+    with some of its parameters equal or neutral.
     """
 
     effect: Effect
@@ -60,6 +61,7 @@ class EffectInstance:
     groups: tuple[int, ...] = ()
     by: str = ""
     curve: Curve | None = None
+    contains: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:
@@ -299,7 +301,20 @@ def instances_of(effect: Effect, boat: Boat, duration: float | None = None) -> l
         )
     starts = points if effect.begin == "score" else ()
     grid = points if effect.begin == "grid" else ()
-    return [EffectInstance(effect, thrusters, specs, starts, grid) for thrusters in chosen]
+    return [
+        EffectInstance(effect, one, specs, starts, grid, contains=contained(effect, one, boat))
+        for one in chosen
+    ]
+
+
+def contained(effect: Effect, thrusters: tuple[str, ...], boat: Boat) -> tuple[str, ...]:
+    """Labels of the instances that an effect on these thrusters contains: of those that it declares, by the
+    names that they have on this boat.
+    """
+    declared = [LIBRARY[name] for name in effect.contains]
+    return tuple(
+        " ".join((one.name, *thrusters)) if selectors(one, boat) else one.alone_equals for one in declared
+    )
 
 
 def spec_of(effect: Effect, parameter: Parameter, boat: Boat, reference: Reference) -> Spec:

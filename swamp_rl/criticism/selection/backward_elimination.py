@@ -315,9 +315,7 @@ def nested(small: Hypothesis, large: Hypothesis) -> bool:
         def contains(one: EffectInstance) -> bool:
             more = bool(fields) and fields < {parameter.field for parameter in one.effect.parameters}
             by_group = not instance.groups and one.groups and one.of_one.label == instance.label
-            larger = (more or instance.effect.name in one.effect.contains) and (
-                one.selectors == instance.selectors
-            )
+            larger = (more and one.selectors == instance.selectors) or instance.of_one.label in one.contains
             return bool(one.label == instance.label or by_group or larger)
 
         return any(map(contains, large.instances))
