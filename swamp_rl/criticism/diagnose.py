@@ -21,7 +21,7 @@ from swamp_rl.criticism.inference.cause_share import (
     CauseList,
     Witness,
     list_causes,
-    without_minor_rivals,
+    without_equal_rivals,
     witnesses,
     written_fit,
 )
@@ -153,9 +153,11 @@ def examine(
     measure = adequacy(judged, in_noise_units(found.winner, judged, weight))
 
     LOG.info("confirmation on held-out runs, prediction errors")
-    written, shares, left_out = written_fit(continuation, found.winner, found.stage, witnesses(on, rng), rng)
+    where = witnesses(on, rng)
+    written, shares, left_out = written_fit(continuation, found.winner, found.stage, where, rng)
     listed = list_causes(judged, found, shares, left_out, noise, within)
-    found = without_minor_rivals(found if listed.sound else replace(found, adequate=False), listed)
+    found = found if listed.sound else replace(found, adequate=False)
+    found = without_equal_rivals(continuation, found, listed, where, noise, rng)
 
     extension = None
     leftover = list[ResidualForce]()

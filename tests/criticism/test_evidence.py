@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import cast
 
 import numpy as np
 import pytest
@@ -11,20 +9,21 @@ import yaml
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.criticism.inference.cause_share import (
     CauseList,
+    Witness,
     carries_over,
     is_minor,
-    without_minor_rivals,
+    without_equal_rivals,
 )
-from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.report.evidence import predictors_sentence, share_text
 from swamp_rl.criticism.result import Cause, Diagnosis, Gain, Paired, Predictors, Share
-from swamp_rl.criticism.selection.backward_elimination import Selection
+from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation
+from swamp_rl.criticism.selection.continuation import MIDDLE, continuation_of
 from swamp_rl.effects import parse_effects
 from swamp_rl.runs import Run, write_run
 from swamp_rl.simulator.replay import replay
@@ -131,17 +130,23 @@ def test_a_cause_that_moves_predictions_by_more_than_the_noise_matters_beside_a_
     assert not is_minor([share(2.0, 1.99, moved=0.2)], NOISE)  # 2.0^2 = 1.99^2 + 0.2^2
 
 
-@pytest.mark.parametrize(("minor", "others"), [(["mass"], ["wind"]), ([], ["current + resistance", "wind"])])
-def test_a_rival_in_place_of_a_minor_cause_alone_is_none(minor: list[str], others: list[str]) -> None:
-    known = by_label(candidates(load_boat("swamp"), 40.0))
-    every = [("current", "mass"), ("current", "resistance"), ("wind",)]
-    hypotheses = [Hypothesis(tuple(known[name] for name in names)) for names in every]
-    best, *rivals = [cast(Fit, SimpleNamespace(hypothesis=one)) for one in hypotheses]
-    matter = [one for one in ("current", "mass") if one not in minor]
-    causes, least = ([Cause(effect=one, parameters={}) for one in names] for names in (matter, minor))
-    found = Selection(best, True, 1, rivals, [], [], [])
-    kept = without_minor_rivals(found, CauseList(causes, least, [], True)).rivals
-    assert [one.hypothesis.label for one in kept] == others
+@pytest.mark.parametrize(("offset", "differs"), [(0.0, False), (0.2, True)])
+def test_a_rival_that_adds_what_moves_no_prediction_is_none(offset: float, differs: bool) -> None:
+    turned = {"effect": "azimuth_offset", "thruster": "bs", "offset": offset}
+    runs = simulated_runs([{"effect": "thrust_scale", "scale": 0.8}, turned])
+    known = by_label(candidates(runs.boat, 40.0))
+    weight = weights(runs, noise_levels(runs))
+    continuation = continuation_of(runs, weight)
+    thrust = Hypothesis((known["thrust_scale"],))
+    best = fit_by_continuation(continuation, thrust, np.array([0.8]))
+    both = thrust.with_instance(known["azimuth_offset bs"])
+    rival = fit_by_continuation(continuation, both, np.array([0.01, 0.8]))
+    found = Selection(best, True, MIDDLE, [rival], [], [], [])
+    listed = CauseList([Cause(effect="thrust_scale", parameters={})], [], [], True)
+    on, rng = [Witness(runs, weight, others=False)], np.random.default_rng(0)
+    noise = dict(zip(CHANNELS, SIGMA.tolist(), strict=True))
+    kept = without_equal_rivals(continuation, found, listed, on, noise, rng).rivals
+    assert kept == ([rival] if differs else [])
 
 
 def test_a_cause_whose_interval_lies_below_zero_does_not_carry_over() -> None:

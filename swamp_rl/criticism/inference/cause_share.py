@@ -80,16 +80,23 @@ def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
 
 
 def cause_shares(
-    continuation: Continuation, of: Fit, stage: int, on: list[Witness], rng: np.random.Generator
+    continuation: Continuation,
+    of: Fit,
+    stage: int,
+    on: list[Witness],
+    rng: np.random.Generator,
+    instances: Sequence[EffectInstance] | None = None,
 ) -> dict[str, list[Share]]:
-    """By effect instance of a fit at a stage: errors with it, and without it, the others fitted anew."""
+    """By effect instance of a fit at a stage, or of some of them: errors with it, and without it, the others
+    fitted anew.
+    """
     shares: dict[str, list[Share]] = {}
     whole = {
         (i, horizon): one.errors(continuation, stage, of, horizon)
         for i, one in enumerate(on)
         for horizon in options().judged_horizons
     }
-    for instance in of.hypothesis.instances:
+    for instance in of.hypothesis.instances if instances is None else instances:
         less = without(continuation, of, instance.label, stage)
         shares[instance.label] = [
             share
@@ -137,14 +144,15 @@ def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
 
     noise: standard deviation by channel (SI, rad). False where no error could be measured.
     """
+    small = (one.without - one.with_cause < options().minor * one.without for one in shares)
+    return all(small) and moves_less_than_noise(shares, noise)
+
+
+def moves_less_than_noise(shares: Sequence[Share], noise: Mapping[str, float]) -> bool:
+    """Whether a cause moves every prediction by less than the sensor's noise; `noise` as for `is_minor`."""
     position = np.hypot(noise.get("north", 0.0), noise.get("east", 0.0))
     sizes = dict(zip(JUDGED, (position, noise.get("heading", 0.0)), strict=True))
-    return bool(shares) and all(
-        one.without - one.with_cause < options().minor * one.without
-        and one.moved is not None
-        and one.moved < sizes[one.quantity]
-        for one in shares
-    )
+    return bool(shares) and all(one.moved is not None and one.moved < sizes[one.quantity] for one in shares)
 
 
 def written_fit(
@@ -245,15 +253,28 @@ def list_causes(
     )
 
 
-def without_minor_rivals(found: Selection, listed: CauseList) -> Selection:
-    """The selection less the rivals that have all causes that matter: these differ from it in place of a
-    minor cause alone, which has no part in the verdict.
+def without_equal_rivals(
+    continuation: Continuation,
+    found: Selection,
+    listed: CauseList,
+    on: list[Witness],
+    noise: Mapping[str, float],
+    rng: np.random.Generator,
+) -> Selection:
+    """The selection less the rivals that have all its causes that matter and predict the same: what they
+    add to these moves no prediction by more than the sensors' noise.
     """
-    if not (listed.minor and listed.causes):
-        return found
     matter = {cause.label for cause in listed.causes}
-    rivals = [one for one in found.rivals if not matter <= {i.label for i in one.hypothesis.instances}]
-    return replace(found, rivals=rivals)
+
+    def differs(rival: Fit) -> bool:
+        every = {one.label: one for one in rival.hypothesis.instances if not one.effect.nuisance}
+        if not (matter and matter <= every.keys()):
+            return True
+        added = [one for label, one in every.items() if label not in matter]
+        shares = cause_shares(continuation, rival, found.stage, on, rng, added)
+        return not all(moves_less_than_noise(own, noise) for own in shares.values())
+
+    return replace(found, rivals=[one for one in found.rivals if differs(one)])
 
 
 def _size(cause: Cause) -> float:
