@@ -146,7 +146,7 @@ def examine(
     if other is not None:
         on = Witness(other, weights(other, noise_levels(other)), others=True)
     noise = {n: float(s) for n, s in zip(CHANNELS, sigmas, strict=True) if np.isfinite(s)}
-    found = with_sufficient_special_cases(continuation, found, every, on, rng)
+    found = with_sufficient_special_cases(continuation, found, every, on, noise, rng)
     found = with_neutral_values(continuation, found)
     found, within = _beside_boat_errors(continuation, weight, found)
     judged = continuation.problem(found.stage, found.winner.hypothesis)

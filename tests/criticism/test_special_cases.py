@@ -7,13 +7,13 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.cause_share import Witness
 from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.selection.backward_elimination import Selection, nested, with_special_cases
 from swamp_rl.criticism.selection.continuation import continuation_of
-from tests.support.criticism import DT, SECONDS, driven, simulated_runs
+from tests.support.criticism import DT, SECONDS, SIGMA, driven, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
@@ -38,12 +38,14 @@ def named(runs: RunSet, rivals: bool = False) -> list[str]:
     winner = continuation.fit(MIDDLE, hypothesis, np.array([0.7, 0.7, 0.7]))
     found = Selection(winner, True, MIDDLE, [winner] if rivals else [], [], [], [])
     on = Witness(runs, weight, others=False)
-    given = continuation, found, every, on, np.random.default_rng(0)
+    noise = dict(zip(CHANNELS, SIGMA.tolist(), strict=True))
+    given = continuation, found, every, on, noise, np.random.default_rng(0)
     return [one.label for one in with_sufficient_special_cases(*given).winner.hypothesis.instances]
 
 
-def test_an_even_efficiency_is_a_gain_although_rounded_commands_bend_it() -> None:
-    runs = rounded(simulated_runs([GAIN]), 0.05)
+@pytest.mark.parametrize("seed", [0, 3])  # by chance, the bent curve predicts a little better with seed 3
+def test_an_even_efficiency_is_a_gain_although_rounded_commands_bend_it(seed: int) -> None:
+    runs = rounded(simulated_runs([GAIN], seed), 0.05)
     assert named(runs) == ["thruster_gain bs"]
     assert named(runs, rivals=True) == ["thruster_efficiency_curve bs"]
 

@@ -1,11 +1,11 @@
 """Named causes that a special case of theirs replaces where that predicts no worse."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from swamp_rl.criticism.inference.cause_share import Witness, shares_of
+from swamp_rl.criticism.inference.cause_share import Witness, moves_less_than_noise, shares_of
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance
 from swamp_rl.criticism.options import options
@@ -18,13 +18,15 @@ def with_sufficient_special_cases(
     found: Selection,
     instances: Sequence[EffectInstance],
     on: Witness,
+    noise: Mapping[str, float],
     rng: np.random.Generator,
 ) -> Selection:
     """The selection with those special cases of its effects that the library declares (`Effect.contains`),
     where the general effect lowers no prediction error: a thruster's gain for an efficiency that is even but
     for the rounding of the commands. The effects of a selection with rivals stay: they are compared.
 
-    instances: all candidates; on: the runs that predictions are compared with.
+    instances: all candidates; on: the runs that predictions are compared with; noise: standard deviation by
+    channel (SI, rad).
     """
     if found.rivals:
         return found
@@ -34,19 +36,29 @@ def with_sufficient_special_cases(
                 continue
             plain = with_special(continuation, found.winner, instance, special, found.stage)
             adequate = not found.adequate or continuation.is_adequate(found.stage, plain)
-            if adequate and _predicts_as_well(continuation, plain, found, on, rng):
+            if adequate and _predicts_as_well(continuation, plain, found, on, noise, rng):
                 simpler = replace(found, winner=plain)
-                return with_sufficient_special_cases(continuation, simpler, instances, on, rng)
+                return with_sufficient_special_cases(continuation, simpler, instances, on, noise, rng)
     return found
 
 
 def _predicts_as_well(
-    continuation: Continuation, plain: Fit, found: Selection, on: Witness, rng: np.random.Generator
+    continuation: Continuation,
+    plain: Fit,
+    found: Selection,
+    on: Witness,
+    noise: Mapping[str, float],
+    rng: np.random.Generator,
 ) -> bool:
-    """Whether no error of the predictions is larger under a fit than under the winner, at any horizon."""
+    """Whether no error of the predictions is larger under a fit than under the winner, at any horizon, but by
+    chance where their predictions differ by less than the sensor's noise.
+    """
     shares = []
     for horizon in options().judged_horizons:
         before, _ = on.errors(continuation, found.stage, plain, horizon)
         after, block = on.errors(continuation, found.stage, found.winner, horizon)
         shares += shares_of(before, after, block, horizon, rng)
-    return bool(shares) and all(one.without <= one.with_cause for one in shares)
+    return bool(shares) and all(
+        one.without <= one.with_cause or (one.ci95[0] <= 0.0 and moves_less_than_noise([one], noise))
+        for one in shares
+    )
