@@ -130,6 +130,12 @@ def test_the_gain_is_in_degrees_with_as_many_digits_as_the_error_and_no_negative
     assert row == ("5 (9)", "heading", "5.73", "2.86", "2.86 (0.00 to 5.73)", "degrees")
 
 
+def test_an_error_far_below_the_one_before_is_not_shown_as_zero() -> None:
+    paired = Paired(before=17.1, after=0.0041, ci95=(7.8, 25.6))
+    (row,) = gain_rows(Gain(horizon_s=30.0, restarts=9, blocks="runs", position_rmse_m=paired))
+    assert row == ("30 (9)", "position", "17.1", "0.0041", "17.1 (7.8 to 25.6)", "m")
+
+
 def test_the_residual_force_is_reported_with_its_variable() -> None:
     left = [ResidualForce(force="yaw", variable="heading", explained=0.62)]
     message = residual_force_sentence(diagnosis("unexplained", leftover=left))
@@ -183,7 +189,7 @@ def test_data_without_noise_are_not_said_to_have_some() -> None:
 def test_the_noise_of_the_weights_is_reported_with_both_its_parts() -> None:
     text = details(diagnosis("nothing_wrong", noise={"north": 0.16}), no_runs())
     assert "white measurement noise, estimated from third differences" in text
-    assert "the error that the simulator's step makes in whole runs" in text
+    assert "the error of the simulator's step in whole runs" in text
 
 
 def test_every_variable_of_a_force_can_be_drawn() -> None:

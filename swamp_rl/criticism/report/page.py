@@ -52,15 +52,15 @@ from swamp_rl.criticism.report.words import (
     shown_unit,
 )
 from swamp_rl.criticism.result import Diagnosis, Gain
-from swamp_rl.html_page import document, image, minus, places_of, rounded, table
+from swamp_rl.html_page import document, image, minus, places_of, plain, rounded, table
 
 PREDICTORS = ("seconds ahead", "boat file", "at rest", "constant velocity", "no thrust")
 REDUCTION = "reduction (95 % interval)"
 SHARES = ("cause", "error, horizon", "without", "with", "share", REDUCTION, "prediction moved by", "unit")
 CAUSES = ("effect", "description", "parameter", "value", "95 % interval", "unit", "boat file")
 CHI2 = (
-    "χ² is the sum of squared errors over the variance of the measurement noise, or of the model error where "
-    "effects are selected under it: 1 an independent sample for that noise or error alone."
+    "χ² is the sum of squared errors over the variance of the measurement noise, or of the model error if "
+    "effects are selected under it. Its mean is 1 an independent sample for that noise or error alone."
 )
 
 
@@ -121,9 +121,9 @@ def errors_section(found: Diagnosis, images: Mapping[str, str]) -> str:
     if found.verdict == "nothing_wrong":
         noise = " Here they are not distinguishable from the effect of noise."
     perfect = (
-        " The dashed line is the error of a perfect model, which starts from a state that is known only to "
-        "within the noise under Details. An error above it is a model error; one far below it means that the "
-        "error of the integration is most of that noise."
+        " The dashed line is the error of a perfect model that starts from a state with the noise given "
+        "under Details. An error above it is a model error. An error far below it means that this noise is "
+        "mostly integration error."
     )
     if found.gain_on == "other_runs":
         perfect = " These are the held-out runs; the tracks above are those diagnosed."
@@ -135,10 +135,10 @@ def errors_section(found: Diagnosis, images: Mapping[str, str]) -> str:
         + image(images["errors"], "Prediction error by horizon")
         + "<p>Position error [m] of the boat file and of predictors that need no model:</p>"
         + table(PREDICTORS, predictor_rows(found), numbers=(0, 1, 2, 3, 4))
-        + "<p>Missing forces: those that, added to the model, reproduce the measured motion, against the "
-        "boat's motion and commands. A dependence on heading indicates a cause fixed to the earth (wind, "
-        "current), one on throttle or azimuth the thrusters, one on speed or yaw rate the hull. Dots are "
-        f"single estimates, lines are means of bins with one standard error.{noise}</p>"
+        + "<p>Missing forces as functions of the boat's motion and commands. Added to the model, they "
+        "reproduce the measured motion. A dependence on heading indicates a cause fixed to the earth (wind, "
+        "current); on throttle or azimuth, the thrusters; on speed or yaw rate, the hull. Dots: single "
+        f"estimates. Lines: means of bins ± one standard error.{noise}</p>"
         + image(images["forces"], "Missing forces")
     )
 
@@ -163,10 +163,11 @@ def causes_section(found: Diagnosis, run_set: RunSet) -> str:
             "substitute for an effect that is not in the library.</p>"
         )
     shares = (
-        "<p>What each accounts for: prediction errors on held-out runs without it, the others fitted anew, "
-        "and with it. Shares need not add up to 100 %. A cause with a share of zero or less does not reduce "
-        "that error; it is listed if it is significant and moves a prediction by more than the sensor's "
-        "noise. A cause that differs between runs has no share on runs that it was not fitted to.</p>"
+        "<p>Share of each cause: prediction errors on held-out runs without the cause, the others being "
+        "fitted again, and with it. Shares need not add up to 100 %. A cause with a share of zero or less "
+        "does not reduce that error; it is listed if it is significant and moves a prediction by more than "
+        "the sensor's noise. A cause that differs between runs has no share on runs that it was not fitted "
+        "to.</p>"
     )
     accounts = share_rows([*found.causes, *found.minor])
     if accounts:
@@ -275,6 +276,7 @@ def gain_rows(gain: Gain) -> list[tuple[str, ...]]:
         places = places_of(before)
         shown = (before, after, before - after, low, high)
         cells = [f"{round(value, places) + 0.0:.{places}f}" for value in shown]
+        cells[1] = plain(after)  # far below `before`, it would be shown as 0
         span = minus(f"{cells[2]} ({cells[3]} to {cells[4]})")
         ahead = f"{gain.horizon_s:g} ({gain.restarts})" if not rows else ""
         rows.append((ahead, title, cells[0], cells[1], span, unit))
@@ -298,7 +300,7 @@ def limits_section(found: Diagnosis, run_set: RunSet) -> str:
         markup += f"{hidden}.</p>"
     if found.missing_motion:
         wanted = "".join(f"<li>{html.escape(one)}</li>" for one in found.missing_motion)
-        markup += f"<p>Missing in them, to be recorded next time:</p><ul>{wanted}</ul>"
+        markup += f"<p>Missing in these data, to be recorded next time:</p><ul>{wanted}</ul>"
     return markup
 
 
@@ -327,10 +329,10 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
         "95 % interval",
     )
     return (
-        "<h2>Details</h2><p>Noise that the residuals are weighted by: in variance the sum of white "
-        "measurement noise, estimated from third differences of the data, and of the error that the "
-        "simulator's step makes in whole runs, which may be the larger of the two. Data with less than the "
-        "level after “below” are taken to have that much:</p>"
+        "<h2>Details</h2><p>Standard deviations that weight the residuals. The variance is the sum of two: "
+        "that of white measurement noise, estimated from third differences of the data, and that of "
+        "the error of the simulator's step in whole runs, which may be the larger one. “below”: the estimate "
+        "is smaller than the given level, which is used instead.</p>"
         + table(("channel", "standard deviation", "unit"), rows, numbers=(1,))
         + (f"<p>{noise_sentence(found)}</p>" if found.wandering else "")
         + (f"<p>{smoothed_sentence(found)}</p>" if found.smoothed else "")
