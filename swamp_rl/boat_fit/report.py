@@ -21,10 +21,11 @@ from swamp_rl.digits import digits, known
 from swamp_rl.html_page import document, prose, table
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
+HEADS = tuple(name.replace("_", " ") for name in TRIVIAL)
 FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
 WIRED = (
-    "The boat file has it among its effects, so pilots would drive a boat wired so. If only the log has it, "
-    "correct it by the --map of runs import and identify again."
+    "The boat file has it among its effects, so pilots would drive a boat with this wiring. If only the log "
+    "has it, correct the log with `runs import --map` and identify again."
 )
 
 
@@ -40,11 +41,12 @@ def page_of(found: Identification) -> str:
             f"<p>{prose(held_out_sentence(found))}</p>",
             table(error_columns(found), error_rows(found), numbers=range(1, len(error_columns(found)))),
             f"<p>{prose(gains_sentence(found))}</p>",
+            *usual_thrust(found),
             "<h2>Numbers</h2>",
-            "<p>± is one standard error (sandwich covariance, prior included), prior ± the prior's standard "
-            "deviation about the start value. Information: share of the posterior precision that the runs "
-            "gave; the rest is the prior's. For masses and other numbers that keep their sign it is that of "
-            "the logarithm.</p>",
+            "<p>±: one standard error (sandwich covariance, prior included). Prior ±: standard deviation of "
+            "the prior about the start value. Information: share of the posterior precision that is from the "
+            "runs; the rest is from the prior. For numbers that keep their sign, such as masses, it is the "
+            "share for the logarithm.</p>",
             table(
                 ("number", "start", "identified", "±", "prior ±", "unit", "information"),
                 number_rows(found.fitted),
@@ -63,36 +65,25 @@ def summary(found: Identification) -> list[str]:
     """What was found, in sentences."""
     shown = sum(one.shown for one in found.fitted)
     lines = [
-        f"{shown} of {len(found.fitted)} numbers are fitted to the runs; the others keep their prior.",
+        f"The runs determine {shown} of {len(found.fitted)} free numbers; the others keep their priors.",
+        prediction_sentence(found),
+        start_sentence(found.before, found.predicted),
         *left_out(found.wiring.boat, found.fitted),
         *(f"Commands: {change}. {WIRED}" for change in found.wiring.changes),
     ]
     if found.wiring.advance > 0.0:
         lines.append(
-            f"Commands are stamped {found.wiring.advance:g} s after the motion that they cause. They were "
-            "taken that much earlier. A boat file has no parameter for it: import the runs again with "
-            f"--commands-earlier {found.wiring.advance:g}."
+            f"The log stamps commands {found.wiring.advance:g} s after the motion that they cause. The fit "
+            "corrects this; a boat file has no parameter for it. Import the runs again with "
+            f"`--commands-earlier {found.wiring.advance:g}`."
         )
     if found.level.standard_error > 0.0:
         level = f"{found.level.mean:.3f} ± {found.level.standard_error:.3f} (one standard error)"
         lines.append(
-            f"The thrust of the fit is multiplied by {level}, the mean of the runs that it is fitted to "
-            "(effect `thrust_scale`)."
+            f"All thrusts are multiplied by {level}, the mean thrust factor of the fitted runs (effect "
+            "`thrust_scale`)."
         )
-    lines += unlike_runs(found)
-    lines += far_from_start(found.fitted)
-    lines += [prediction_sentence(found), start_sentence(found.before, found.predicted)]
-    if found.alike:
-        errors = "; ".join(
-            f"{one.horizon_s:g} s ahead {one.boat_file:.3g} m ("
-            + ", ".join(f"{TRIVIAL[name]} {getattr(one, name):.3g} m" for name in TRIVIAL)
-            + ")"
-            for one in found.alike
-        )
-        worse = not_better(found.alike)
-        better = f"not better than {' and '.join(worse)}" if worse else "better than each of these"
-        lines.append(f"Without gains, on the held-out runs of usual thrust, it is {better}: {errors}.")
-    return lines
+    return [*lines, *unlike_runs(found), *far_from_start(found.fitted)]
 
 
 def left_out(boat: Boat, fitted: Sequence[Fitted]) -> list[str]:
@@ -102,21 +93,21 @@ def left_out(boat: Boat, fitted: Sequence[Fitted]) -> list[str]:
     thrusters = ", ".join(one.name.rpartition(".")[2] for one in out if one.field == SATURATED)
     lags = ", ".join(one.name for one in out if one.field != SATURATED)
     return [
-        f"The runs show no {what} {names}: it is as in the start file."
-        for what, names in (("saturation of the thrust of", thrusters), ("time constant", lags))
+        f"Not significant in the runs, kept as in the start file: {what} {names}."
+        for what, names in (("saturation of the thrust of", thrusters), ("time constants", lags))
         if names
     ]
 
 
 def prediction_sentence(found: Identification) -> str:
     """Whether the boat predicts better than the trivial predictors, as it is to be used."""
-    file = "The identified file"
+    alone = f"the identified file {_than(not_better(found.after))}."
     if found.gains == "none":
-        return f"{file} is {_than(not_better(found.after))}."
-    past = f"at most {past_seconds(found.boat):.3g} s before each prediction"
+        return f"On held-out runs {alone}"
     return (
-        f"{file} with {GAINS[found.gains]} from the past of the same run, {past}, is "
-        f"{_than(not_better(found.predicted))}; without, it is {_than(not_better(found.after))}."
+        f"On held-out runs the identified file with {GAINS[found.gains]}, estimated from at most the last "
+        f"{past_seconds(found.boat):.3g} s of the same run, {_than(not_better(found.predicted))}. "
+        f"Without gains {alone}"
     )
 
 
@@ -125,16 +116,16 @@ def start_sentence(before: Sequence[Predictors], after: Sequence[Predictors]) ->
     start = {one.horizon_s: one.boat_file for one in before}
     worse = [f"{one.horizon_s:g} s" for one in after if one.boat_file >= start.get(one.horizon_s, math.inf)]
     if not worse:
-        return "It is better than the start file at each horizon."
-    return f"It is not better than the start file {' and '.join(worse)} ahead."
+        return "It predicts better than the start file at each horizon."
+    return f"It does not predict better than the start file {', '.join(worse)} ahead."
 
 
 def _than(worse: Sequence[str]) -> str:
     """That it is better than every trivial predictor, or not than some."""
     return (
-        f"not better than {' and '.join(worse)}"
+        f"does not predict better than {' and '.join(worse)}"
         if worse
-        else "better than every trivial predictor at each horizon"
+        else "predicts better than every trivial predictor at each horizon"
     )
 
 
@@ -147,8 +138,8 @@ def gains_sentence(found: Identification) -> str:
     errors = "; ".join(f"{GAINS[name]}: {error}" for name, error in tried.items())
     use = "not used" if found.gains == "none" else f"used: {GAINS[found.gains]}"
     return (
-        f"Gains of the thrust from the past of the same run are {use}. They are chosen by the errors on the "
-        f"training runs ({errors})."
+        f"Gains of the thrust, estimated from the past of the same run, are {use}. The choice minimises the "
+        f"mean log position error on the training runs ({errors})."
     )
 
 
@@ -156,15 +147,15 @@ def unlike_runs(found: Identification) -> list[str]:
     """Runs that are not like the others, in a sentence each."""
     return [
         *(
-            f"In {one.name} the thrust is {one.share:.2f} ± {one.standard_error:.2f} (one standard error) of "
-            "the identified boat's under the same commands, unlike in most runs: weed, a tow, a flat "
-            f"battery, or commands that did not arrive. The run is {_use(one, found)}."
+            f"{one.name}: the thrust factor is {one.share:.2f} ± {one.standard_error:.2f} (one "
+            "standard error), unlike in most runs. Possible causes: weed, towing, a weak battery, lost "
+            f"commands. The run is {_use(one, found)}."
             for one in found.unlike.thrust
         ),
         *(
-            f"In {one.name} the logged commands explain {max(one.explained, 0.0):.0%} of the motion, at any "
-            f"thrust, unlike in most runs: a remote control, a tow, or commands of another time. The run is "
-            f"{_use(one, found)}."
+            f"{one.name}: the logged commands explain {max(one.explained, 0.0):.0%} of the motion at the "
+            "best thrust factor, less than in most runs. Possible causes: a remote control, towing, commands "
+            f"of another time. The run is {_use(one, found)}."
             for one in found.unlike.commands
         ),
     ]
@@ -184,9 +175,9 @@ def far_from_start(fitted: Sequence[Fitted]) -> list[str]:
         return []
     named = ", ".join(f"{one.number.name} ({one.distance:.1f})" for one in far)
     lines = [
-        f"More than {FAR:g} standard deviations of the prior from the start file: {named}. There "
-        "the start file is wrong or its `sd` too small, or the motion has a cause without a number in a boat "
-        "file, which `swamp-rl diagnose` seeks."
+        f"More than {FAR:g} standard deviations of the prior from the start file: {named}. Either the start "
+        "file is wrong there, or its `sd` is too small, or the motion has a cause that is not a number of a "
+        "boat file. `swamp-rl diagnose` searches for such causes."
     ]
     if ended := [one.number.name for one in far if one.distance > 0.999 * FARTHEST]:
         lines.append(
@@ -197,13 +188,12 @@ def far_from_start(fitted: Sequence[Fitted]) -> list[str]:
 
 
 def not_better(errors: Sequence[Predictors]) -> list[str]:
-    """Trivial predictors that the identified file does not beat, with their horizon."""
-    return [
-        f"{TRIVIAL[name]} {one.horizon_s:g} s ahead"
-        for one in errors
-        for name in TRIVIAL
-        if one.boat_file >= getattr(one, name)
-    ]
+    """Trivial predictors that the identified file does not beat, with their horizons."""
+    worse = {
+        words: [f"{one.horizon_s:g}" for one in errors if one.boat_file >= getattr(one, name)]
+        for name, words in TRIVIAL.items()
+    }
+    return [f"{words} ({', '.join(horizons)} s ahead)" for words, horizons in worse.items() if horizons]
 
 
 def held_out_sentence(found: Identification) -> str:
@@ -225,7 +215,21 @@ def held_out_sentence(found: Identification) -> str:
 def error_columns(found: Identification) -> tuple[str, ...]:
     """Heads of `error_rows`."""
     identified = ("identified",) if found.gains == "none" else ("identified with gains", "without gains")
-    return ("horizon", "start file", *identified, *TRIVIAL.values())
+    return ("horizon", "start file", *identified, *HEADS)
+
+
+def usual_thrust(found: Identification) -> list[str]:
+    """Errors without gains on the held-out runs whose thrust is that of most runs; empty if that is all."""
+    if not found.alike:
+        return []
+    rows = [
+        (f"{one.horizon_s:g} s", f"{one.boat_file:.3g}", *(f"{getattr(one, name):.3g}" for name in TRIVIAL))
+        for one in found.alike
+    ]
+    return [
+        "<p>Without gains, on the held-out runs whose thrust factor is that of most runs:</p>",
+        table(("horizon", "without gains", *HEADS), rows, numbers=range(1, 2 + len(HEADS))),
+    ]
 
 
 def error_rows(found: Identification) -> list[tuple[str, ...]]:
@@ -272,16 +276,18 @@ def residual_sentence(found: Identification) -> str:
     seconds = problem.correlation_samples * problem.dt
     return (
         f"Windows of {problem.seconds:.3g} s, {problem.windows.count} of them. The fit counts one "
-        f"independent sample every {seconds:.2g} s. A residual well above the noise is gusts, or forces that "
-        "the model has no number for: `swamp-rl diagnose` looks for these."
+        f"independent sample every {seconds:.2g} s. A residual well above the noise is due to gusts or to "
+        "forces that the model does not contain; `swamp-rl diagnose` searches for them."
     )
 
 
 def next_runs(found: Identification) -> list[str]:
-    """Motions that would show the numbers that the runs do not show."""
+    """Motions from which the numbers that the runs do not determine are identifiable."""
     lacking: dict[str, list[str]] = {}
     for one in found.fitted:
         if not one.shown:
             lacking.setdefault(one.number.trial, []).append(one.number.name)
     lines = [f"{trial}: for {', '.join(names)}" for trial, names in lacking.items()]
-    return [*lines, *missing_motion(found.data.training, False)] or ["The runs show every number."]
+    return [*lines, *missing_motion(found.data.training, False)] or [
+        "Nothing: the runs determine every number."
+    ]

@@ -33,7 +33,7 @@ def filter_findings(runs: Sequence[Run], measured: bool) -> list[Finding]:
             drops[name] = drop
     if not drops:
         return []
-    message = "have no white noise floor: power density falls by a factor of " + ", ".join(
+    message = "no white noise floor: power density falls by a factor of " + ", ".join(
         f"{float(f'{drop:.2g}'):,g} ({name})" for name, drop in drops.items()
     )
     message += f" from {LOW[0]:g}-{LOW[1]:g} to {HIGH[0]:g}-{HIGH[1]:g} of the Nyquist frequency"

@@ -230,7 +230,7 @@ def test_the_thrusters_without_a_fitted_saturation_are_named(tmp_path: Path) -> 
     every = [Fitted(number, number.mean, number.sd) for number in free_numbers(boat)]
     assert left_out(boat, every) == []
     (message,) = left_out(boat, [one for one in every if one.number.field != "efficiency_100"])
-    assert "of port, starboard: it is as in the start file" in message
+    assert message.endswith("saturation of the thrust of port, starboard.")
 
 
 def test_a_time_constant_of_zero_is_fitted_only_where_it_leaves_the_least_one() -> None:
@@ -240,9 +240,7 @@ def test_a_time_constant_of_zero_is_fitted_only_where_it_leaves_the_least_one() 
     assert not supported(Fitted(lag, lag.low, lag.sd))
     assert supported(Fitted(lag, 2.0 * lag.low, lag.sd))
     made = [Fitted(number, number.mean, number.sd) for number in every if number is not lag]
-    assert (
-        "no time constant thrusters.bs.pump_time_constant: it is as" in left_out(load_boat("swamp"), made)[0]
-    )
+    assert left_out(load_boat("swamp"), made)[0].endswith("time constants thrusters.bs.pump_time_constant.")
 
 
 def test_a_measured_number_has_a_narrower_prior_than_an_assumed_one(tmp_path: Path) -> None:
@@ -308,9 +306,17 @@ def test_the_summary_says_where_the_start_file_predicts_as_well() -> None:
         return [Predictors(horizon_s=h, boat_file=e, **others) for h, e in zip((1.0, 5.0), own, strict=True)]
 
     before = errors(0.3, 0.5)
-    assert start_sentence(before, errors(0.2, 0.4)) == "It is better than the start file at each horizon."
-    assert start_sentence(before, errors(0.3, 0.4)) == "It is not better than the start file 1 s ahead."
-    assert start_sentence(before[1:], errors(0.4, 0.4)) == "It is better than the start file at each horizon."
+    assert (
+        start_sentence(before, errors(0.2, 0.4)) == "It predicts better than the start file at each horizon."
+    )
+    assert (
+        start_sentence(before, errors(0.3, 0.4))
+        == "It does not predict better than the start file 1 s ahead."
+    )
+    assert (
+        start_sentence(before[1:], errors(0.4, 0.4))
+        == "It predicts better than the start file at each horizon."
+    )
 
 
 def test_of_the_two_signs_of_the_cross_flow_factor_that_are_one_motion_one_is_free() -> None:

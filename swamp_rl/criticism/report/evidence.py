@@ -8,7 +8,7 @@ from swamp_rl.criticism.result import Cause, Diagnosis, Share
 from swamp_rl.html_page import minus
 
 TRIVIAL = {
-    "at_rest": "a boat that stays where it is",
+    "at_rest": "a boat at rest",
     "constant_velocity": "constant velocity",
     "no_thrust": "the same boat without thrust",
 }
@@ -160,14 +160,15 @@ def self_trial_section(found: Diagnosis) -> str:
     """The section of the page; empty where there was no self-trial."""
     if found.self_trial is None:
         return ""
-    how = "by a full search"
+    how = "by a full search."
     if found.self_trial.method == "linearised":
-        how = "by the criterion of this answer and of its competitors, linearised about fits without noise"
+        how = "without a new search: this answer and its alternatives are compared by the criterion, "
+        how += "linearised about noise-free fits."
     note = ""
     if not found.self_trial.omitted:
         note = (
             "<p>Twins are runs simulated from this answer with the same commands, lengths, sampling and "
-            f"estimated noise. Each was diagnosed from the boat file again, {how}. The rate is that at which "
-            "an answer of this size would be found again, if it is true.</p>"
+            f"estimated noise. Each twin is diagnosed again from the boat file, {how} The rate estimates how "
+            "often an answer of this size would be found again, if it is true.</p>"
         )
     return f"<h2>Self-trial</h2><p><b>{html.escape(self_trial_sentence(found))}</b></p>{note}"
