@@ -33,13 +33,13 @@ KEPT = "not replaced; name another folder with --out, or remove this one"
 def run_experiment(
     name_or_path: str | Path, overrides: Iterable[str] = (), out: Path | str | None = None
 ) -> Path:
-    """Do all that an experiment's YAML asks for and return the folder of results, by default results/NAME.
+    """Run an experiment: record, train, evaluate and report; return the folder of results, by default
+    results/NAME.
 
-    The folder is built beside and renamed when whole; only then an earlier result of the same experiment in
-    its place is replaced, and anything else there is refused. What an unfinished life of the same job has
-    left, and what `train_experiment` has trained, is gone on from. Given a folder of results, it does the
-    same again, from the configuration that is kept there. UserError for whatever is wrong in the file,
-    before any work.
+    The folder is built beside its place and renamed when complete. It replaces an earlier result of the same
+    experiment; any other content is refused. An interrupted run resumes, and pilots that `train_experiment`
+    has trained are used. Given a folder of results, the experiment is repeated from the configuration in the
+    folder. UserError for every fault of the file, before any work.
     """
     with same_configs(kept_config(name_or_path)):
         experiment = load_experiment(name_or_path, overrides)
@@ -69,10 +69,10 @@ def train_experiment(
     out: Path | str | None = None,
     only: list[str] | str | None = None,
 ) -> Path:
-    """Record and train what an experiment asks for, all its pilots or `only` some or one, and evaluate none.
+    """Record the data of an experiment and train its pilots, all or those of `only`; evaluate none.
 
-    The folder, by default results/NAME, is one that `run_experiment` goes on from, and so does a later call
-    for other pilots of the same experiment. UserError where it holds a complete result.
+    Returns the folder, by default results/NAME. `run_experiment` and later calls for other pilots of the same
+    experiment continue in it. UserError if it holds a complete result.
     """
     with same_configs(kept_config(name_or_path)):
         scene, work = _sound(load_experiment(name_or_path, overrides), name_or_path)

@@ -30,15 +30,18 @@ def evaluate_folders(
     out: Path | str | None = None,
     experiment: str | None = None,
 ) -> Path:
-    """Try pilots in the same episodes and write a folder of results.
+    """Evaluate pilots in the same episodes; write and return a folder of results.
 
-    sources: a folder that was made by training or running an experiment, whose pilots are evaluated; or
-    several of these, of stored pilots and of others (see `asked_pilot`), all evaluated together. changes:
-    keys of `evaluation`, such as `episodes`, `levels` and `seed`. overrides: dotted keys as `key=value`. out:
-    the folder of results, by default the one folder itself, or results/evaluation. experiment: the one whose
-    boat, course, data and evaluation are taken; by default the first folder's that keeps one, and `camogli`,
-    with a note, where no folder is named. UserError where a folder holds no pilot, where folders are named of
-    which none keeps an experiment and none is given, or where `overrides` ask for what would need training.
+    * `sources`: the folder of a trained experiment, whose pilots are evaluated; or several such folders,
+      folders of stored pilots and other pilots (see `asked_pilot`), which are evaluated together.
+    * `changes`: keys of `evaluation`, such as `episodes`, `levels` and `seed`.
+    * `overrides`: dotted keys as `key=value`.
+    * `out`: the folder to write; by default the only source folder itself, or results/evaluation.
+    * `experiment`: gives boat, course, data and evaluation; by default that of the first folder with an
+      experiment, or `camogli`, with a note, if no folder is named.
+
+    UserError if a folder holds no pilot, if no experiment is given and no named folder has one, or if
+    `overrides` would need training.
     """
     asked_for = list(sources) if isinstance(sources, list | tuple) else [sources]
     for one in asked_for:

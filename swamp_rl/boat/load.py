@@ -29,14 +29,15 @@ REPLACES = ", or write thrusters: {NAME: {KEY: VALUE}} (a list replaces all thru
 
 
 def load_boat(name_or_path: str | Path, replaced: Mapping[str, Any] | None = None) -> Boat:
-    """The boat of a file given by path or, in configs/boats, by bare name.
+    """Load the boat of a file, given by path or, for files in configs/boats, by name.
 
-    A number may be bare, which counts as assumed. A file that `extends` another holds only what differs; its
-    `effects` follow the other's; a key that it sets to null is removed. `thrusters` as a list replaces the
-    other's; as a mapping by name it changes, adds, and where null removes those that it names. What `wind`,
-    `current` and `joypad` leave out is filled in by `swamp_rl.boat.defaults`.
-    replaced: keys in place of the file's, as a file that extends it would have them. UserError names every
-    fault on its line: file, key and what is allowed.
+    A bare number counts as assumed. A file that `extends` another gives only the differences: its `effects`
+    are appended to the other's, and a key that it sets to null is removed. `thrusters` as a list replace the
+    other's; as a mapping by name they change, add or (null) remove single ones. Keys of `wind`, `current` and
+    `joypad` that are left out have the defaults of `swamp_rl.boat.defaults`.
+
+    `replaced`: keys in place of the file's, in the form of a file that extends it. UserError with one line
+    for each fault: file, key and what is allowed.
     """
     return boat_of_chain(boat_chain(name_or_path), replaced)
 

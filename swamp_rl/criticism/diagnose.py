@@ -84,15 +84,21 @@ def diagnose(
     limits: TrialLimits | None = None,
     notes: Mapping[str, str] = MappingProxyType({}),
 ) -> Diagnosis:
-    """Diagnose a boat file against a folder of runs, or several; writes diagnosis.json, extended_boat.yaml,
-    report.html and, where weather was found, conditions.yaml into `out`.
+    """Diagnose a boat file against one or several folders of runs; write the results into the folder `out`.
 
-    dataset, holdout: read, or their folders; boat: a name or a file, None for the dataset's own, the first's
-    of several; holdout: runs that the gain is measured on; without it, each run in turn (leave-one-run-out);
-    ignore: measured weather that is left out (`wind`, `depth`); twins, method, each: of the self-trial, none
-    with 0 twins; limits: of the next trial, which is designed and written as next_trial.csv where they are
-    given and there is something to separate or narrow; notes: further texts of the folder, by name of the
-    file. UserError for data that no diagnosis is possible from.
+    Written are diagnosis.json, extended_boat.yaml, report.html and, if weather was identified,
+    conditions.yaml.
+
+    * `dataset`, `holdout`: datasets or their folders. The gain is measured on `holdout`; without it, on each
+      run in turn (leave-one-run-out).
+    * `boat`: name or file; None for that of the (first) dataset.
+    * `ignore`: measured quantities that are not used (`wind`, `depth`).
+    * `twins`, `method`, `each`: settings of the self-trial; none with 0 twins.
+    * `limits`: limits of the next trial. If given, it is designed and written as next_trial.csv, provided
+      that there are explanations to separate or an interval to narrow.
+    * `notes`: texts of additional files in the folder, by file name.
+
+    UserError if the data do not allow a diagnosis.
     """
     given = [dataset] if isinstance(dataset, Dataset | Path | str) else list(dataset)
     every = [as_on_disk(one) for one in given]

@@ -74,9 +74,10 @@ def save_pilot(
 
 
 def load_pilot(folder: Path | str) -> Pilot:
-    """The pilot stored in `folder`, ready to be reset; UserError where it is missing, damaged or changed.
+    """Load the pilot stored in `folder`; UserError if it is missing, damaged or changed.
 
-    A name of which there is no folder is that of a pilot that comes with the package, or `line-of-sight`.
+    If there is no such folder, `folder` is the name of a pilot that comes with the package, or
+    `line-of-sight`.
     """
     folder = Path(folder)
     if not folder.exists() and len(folder.parts) == 1:

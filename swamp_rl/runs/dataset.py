@@ -93,11 +93,11 @@ class Inspection:
 def read_dataset(
     folder: Path | str, boat: str | Path | None = None, course: str | Path | None = None
 ) -> Dataset:
-    """Read a dataset, or a plain folder of tables; the first of its faults is raised as UserError.
+    """Read a dataset, or a plain folder of tables; UserError with the first fault.
 
-    boat, course: names or files that are taken where the folder has no `dataset.yaml` to say them. There,
-    and for each key that it leaves out: the runs are all .csv and .parquet files, with their outcome on the
-    course, mass, draught and density are the boat's, the sample rate is that of the times.
+    `boat`, `course`: name or file, for a folder without dataset.yaml. In such a folder, and for each key that
+    dataset.yaml leaves out: the runs are all .csv and .parquet files, their outcome is evaluated on the
+    course, mass, draught and water density are the boat's, and the sample rate is that of the times.
     """
     folder = Path(folder)
     for kind, given in (("boats", boat), ("courses", course)):
