@@ -40,4 +40,4 @@ def _span(table: LogTable, name: str, values: np.ndarray) -> str:
         kind = "no numbers" if from_words(words) is None else "times"
         return f"{kind}, as {clipped(cell_text(words, 0), 40)!r}"
     lost = f", {len(values) - len(known)} missing" if len(known) < len(values) else ""
-    return f"{known.min():.9g} to {known.max():.9g}, {counted(len(np.unique(known)), 'value')}{lost}"
+    return f"{known.min():.9g} to {known.max():.9g}, {counted(len(np.unique(known)), 'distinct value')}{lost}"

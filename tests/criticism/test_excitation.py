@@ -39,7 +39,11 @@ def test_runs_with_speeds_turns_and_headings_lack_nothing() -> None:
 @pytest.mark.parametrize(
     ("turn", "throttle", "lacks"),
     [
-        (0.0 * TIME, STEPPED, ["turns to starboard and to port", "courses all round", "steering by bs, bp"]),
+        (
+            0.0 * TIME,
+            STEPPED,
+            ["turns to starboard and to port", "courses in all directions", "steering by bs, bp"],
+        ),
         (0.2 + 0.0 * TIME, STEPPED, ["turns to port", "steering by"]),
         (BOTH_WAYS, 0.6 + 0.0 * TIME, ["a second speed", "other thrust levels of bs, bp, ss, sp"]),
     ],

@@ -232,7 +232,7 @@ def test_elements_of_an_array_that_grows_are_kept(tmp_path: Path) -> None:
 def test_messages_that_a_bag_does_not_define_are_named_and_the_others_read(tmp_path: Path) -> None:
     folder = bag_without_definitions(tmp_path / "log")
     lines = list(listing(read_log(folder, "rosbag")))
-    assert "  channels[1]: 1900 to 1900, 1 value" in lines
+    assert "  channels[1]: 1900 to 1900, 1 distinct value" in lines
     assert lines[-1].startswith("not read: /tank (tank_msgs/Level), which the bag does not define")
     with pytest.raises(UserError, match="/tank is of type tank_msgs/Level, which the bag does not define"):
         read_log(folder, "rosbag", {"tank"})
@@ -354,7 +354,7 @@ def test_damage_in_a_bag_is_reported_without_the_words_of_python(tmp_path: Path,
     held.write_bytes(held.read_bytes().replace(b"/boat/odometry", b"/boat\xffodometry"))
     with pytest.raises(UserError) as error:
         read_log(folder, "rosbag")
-    assert str(error.value) == f"{folder}: is no complete ROS bag; copy it again"
+    assert str(error.value) == f"{folder}: is not a complete ROS bag; copy it again"
 
 
 def test_a_link_in_a_bag_is_refused(tmp_path: Path) -> None:

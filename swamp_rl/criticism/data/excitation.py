@@ -41,7 +41,7 @@ def missing_motion(run_set: RunSet, held_out: bool = False) -> list[str]:
     if np.ptp(turn) < turning and not sides:
         lacks.append("turns of another rate: sail circles of two sizes")
     if not circled and len(_quadrants(heading[moving])) < options().quadrants:
-        lacks.append("courses all round the compass, without which wind, current and a heading bias hide")
+        lacks.append("courses in all directions, to separate wind, current and heading bias")
     lacks += _idle(run_set)
     lacks += _standing(run_set)
     if run_set.too_short:
