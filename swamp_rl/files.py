@@ -53,7 +53,7 @@ def os_error(error: OSError, path: Path | str) -> UserError:
     named = error.filename if isinstance(error.filename, str | Path) else None
     hidden = named is not None and any(part.startswith(UNFINISHED) for part in Path(named).parts)
     where = path if named is None or hidden else named
-    hint = HINTS.get(error.errno or 0, "check the name and that it may be used")
+    hint = HINTS.get(error.errno or 0, "check the name and the permissions")
     return UserError(f"{clipped(where, 300)}: {error.strerror or error}; {hint}")
 
 

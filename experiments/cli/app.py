@@ -57,7 +57,7 @@ NUMBA_SETTINGS, FIGURE_SETTINGS = ".numba_config.yaml", "matplotlibrc"
 
 app = typer.Typer(
     name=NAME,
-    help="A simulated azimuth-thruster boat, and pilots that learn to drive it from logged runs.",
+    help="Simulate small boats, train and evaluate pilots, identify and diagnose boat models.",
     add_completion=False,
     no_args_is_help=True,
     pretty_exceptions_enable=False,

@@ -127,12 +127,12 @@ def report(flight: Flight) -> str:
 def _ended_early(flight: Flight) -> str:
     """Why and where the mission ended before its last leg; empty where it did not."""
     if flight.aground is not None:
-        return f"{flight.aground}: the rest was not flown"
+        return f"{flight.aground}: the rest was not sailed"
     if flight.emptied is None:
         return ""
     return (
         f"A pack was empty after {flight.emptied:.0f} s and {flight.way[-1]:.0f} m, in "
-        f"legs.{flight.leg[-1]}: the rest was not flown"
+        f"legs.{flight.leg[-1]}: the rest was not sailed"
     )
 
 

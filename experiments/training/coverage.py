@@ -43,7 +43,7 @@ def calm_warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
         return None
     return (
         f"pilots.{name}: {calm} of the {len(runs)} training runs were recorded without disturbances, but it "
-        f"is tested at {', '.join(rough)}; if it fails there, record runs with --disturbances {rough[0]}"
+        f"is evaluated at {', '.join(rough)}; if it fails there, record runs with --disturbances {rough[0]}"
     )
 
 
