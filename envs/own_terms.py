@@ -117,7 +117,7 @@ def own_term(use: str, name: str) -> OwnTerm:
     except UserError as error:
         raise UserError(f"{use}: {error}") from error
     if not callable(function) or isinstance(function, type):
-        raise UserError(f"{use}: {name}: is no function; name one that takes a batch of boats")
+        raise UserError(f"{use}: {name}: is not a function; name one that takes a batch of boats")
     low, high = _bounds(f"{use}: {name}", getattr(function, "bounds", None))
     return OwnTerm(use, name, function, *((low, high) if use == "observation" else (-math.inf, math.inf)))
 

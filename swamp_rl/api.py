@@ -49,14 +49,17 @@ class Identified(NamedTuple):
 
 
 def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0.1, seed: int = 0) -> Run:
-    """The run that a boat with its effects makes under commands.
+    """Simulate a boat with its effects under commands; return the run.
 
-    boat: loaded, or the name or path of its file. commands: a run, whose commands are replayed from its first
-    state at its own times; or (T, 2K) for K thrusters in the boat file's order, K azimuths [rad] and then K
-    throttles [1], one row every `step` [s], from rest at the origin heading north. Each row is held until the
-    next. seed: of what is random, such as gusts. The result's columns are those of the run format, (T,) each.
-    UserError where the commands are not this boat's, or a value is out of its range, as in percent or in
-    degrees: of an array the boat's own, rows counted from 0; of a run that of any boat, rows from 1.
+    * `boat`: a boat, or the name or path of its file.
+    * `commands`: (T, 2K) for K thrusters in the boat file's order: K azimuths [rad], then K throttles [1].
+      Each row is held for `step` [s]; the boat starts at rest at the origin, heading north. Or a run: its
+      commands are replayed from its first state at its own times.
+    * `seed`: of random effects, such as gusts.
+
+    The columns of the result are those of the run format, (T,) each. UserError if the commands are not those
+    of this boat, or if a value is out of range, as in percent or degrees. The limits are the boat's for an
+    array, with rows counted from 0; for a run they are those of any boat, with rows counted from 1.
     """
     vessel = _loaded(boat)
     if isinstance(commands, Run):
@@ -72,12 +75,15 @@ def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0
 def trial(
     manoeuvre: str, boat: Boat | str | Path = "swamp", seed: int = 0, **entry: Any
 ) -> list[tuple[Run, Result]]:
-    """Carry out a sea trial in closed loop; the run and its figures, for each angle and throttle.
+    """Simulate a sea trial in closed loop; return (run, result) for each angle and throttle.
 
-    manoeuvre: turning-circle, zig-zag, spiral, reverse-spiral, pull-out, stopping or straight. entry: keys of
-    an entry of a plan file, such as throttle=0.6 (share of full), angle_deg=[20, 30] (degrees, + first to
-    starboard). boat: loaded, or the name or path of its file. Figures have a unit, a value and a 95 %
-    interval. UserError where a key is wrong or the boat cannot do the manoeuvre.
+    * `manoeuvre`: turning-circle, zig-zag, spiral, reverse-spiral, pull-out, stopping or straight.
+    * `boat`: a boat, or the name or path of its file.
+    * `entry`: keys of an entry of a plan file, such as throttle=0.6 (share of full), angle_deg=[20, 30]
+      (degrees, positive: first to starboard).
+
+    Each figure of a result has a unit, a value and a 95 % interval. UserError if a key is wrong or the boat
+    cannot do the manoeuvre.
     """
     entry = {key: [value] if key in LISTED and is_number(value) else value for key, value in entry.items()}
     vessel = _loaded(boat)
@@ -93,12 +99,17 @@ def identify(
     boat: Boat | str | Path | None = None,
     smooth: float = 0.0,
 ) -> list[Identified]:
-    """Numbers of a boat from recorded runs, by the regressions of the papers (docs/identification.md).
+    """Identify parameters of a boat from recorded runs by the regressions of the papers
+    (docs/identification.md).
 
-    runs: read, or their folder. model: `yaw-model` (k_r, c_ru, c_rv, b_r), `elementary` (mass and quadratic
-    drag in surge and yaw) or `thrust-deduction` (1 - t at each throttle of straight runs). boat: another one
-    than the dataset's, or that of a plain folder, by name or file. smooth [s]: span of a quadratic smoother,
-    0 for none. The intervals hold the scatter of the method, not its bias. UserError where nothing can be
+    * `runs`: a dataset or its folder.
+    * `model`: `yaw-model` (k_r, c_ru, c_rv, b_r), `elementary` (mass and quadratic drag in surge and yaw) or
+      `thrust-deduction` (1 - t at each throttle of straight runs).
+    * `boat`: a boat, or its name or file, in place of the dataset's; needed for a folder without
+      dataset.yaml.
+    * `smooth`: span of a quadratic smoother [s]; 0: none.
+
+    The 95 % intervals contain the scatter of the method, not its bias. UserError if nothing can be
     identified.
     """
     if model not in get_args(Model):
@@ -158,7 +169,7 @@ def _commands(boat: Boat, given: ArrayLike) -> NDArray[np.float64]:
     try:
         rows = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise UserError(f"simulate: commands are no array of numbers ({error})") from error
+        raise UserError(f"simulate: commands are not an array of numbers ({error})") from error
     if rows.ndim != 2 or rows.shape[1] != wanted or len(rows) < 2:
         raise UserError(
             f"simulate: commands must be (T, {wanted}), T at least 2, for {boat.name}'s thrusters "
@@ -166,7 +177,7 @@ def _commands(boat: Boat, given: ArrayLike) -> NDArray[np.float64]:
         )
     if not np.isfinite(rows).all():
         row, column = np.argwhere(~np.isfinite(rows))[0]
-        raise UserError(f"simulate: commands: row {row}, column {column} is no finite number")
+        raise UserError(f"simulate: commands: row {row}, column {column} is not a finite number")
     _refuse_out_of_range({name: rows[:, j] for name, j in _columns(boat).items()}, boat, 0)
     return rows
 

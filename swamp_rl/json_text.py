@@ -37,7 +37,7 @@ def _whole(digits: str) -> int:
 def _finite(digits: str) -> float:
     number = float(digits)
     if not math.isfinite(number):
-        raise ValueError(f"{clipped(digits)} is no finite number")
+        raise ValueError(f"{clipped(digits)} is not a finite number")
     return number
 
 

@@ -32,7 +32,7 @@ def plain_name(name: str, suffixes: Collection[str] = ("",)) -> str:
 def refuse_odd_label(where: Path | str, name: str) -> None:
     """UserError for a name of a pilot or level, read at `where`, on which a table or a terminal would act."""
     if not name or not name.isprintable() or len(name) > LONGEST or set(name) & set("[]|<>`*"):
-        message = f"{clipped(name)!r} is no name of a pilot or a level"
+        message = f"{clipped(name)!r} is not a name of a pilot or a level"
         raise UserError(f"{where}: {message}; run the experiment again")
 
 

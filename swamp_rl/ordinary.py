@@ -37,7 +37,7 @@ def contents(path: Path | str, most: int = 2**30, follow: bool = True) -> bytes:
 
 def _refuse(found: os.stat_result, most: int | None) -> None:
     if not stat.S_ISREG(found.st_mode):
-        raise OSError(errno.EINVAL, "is no ordinary file")
+        raise OSError(errno.EINVAL, "is not a regular file")
     if most is not None and found.st_size > most:
         raise _too_large(most)
 

@@ -64,7 +64,9 @@ def changed(folder: Path) -> list[str]:
         match = _LINE.fullmatch(line)
         file = _listed(folder, match[2]) if match else None
         if match is None or file is None:
-            found.append(f"{SUMS} line {number}: is no checksum of a file in here; export the dataset again")
+            found.append(
+                f"{SUMS} line {number}: is not a checksum of a file in this folder; export the dataset again"
+            )
         elif not file.is_file():
             found.append(f"{match[2]}: is listed in {SUMS} but is not here; export the dataset again")
         elif _digest(file) != match[1]:

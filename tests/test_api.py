@@ -113,7 +113,7 @@ def test_a_run_replayed_is_the_run() -> None:
             "row 0, column throttle_bs: 60 is outside [0, 1]; it looks like percent",
         ),
         (np.full((5, 8), 0.5) * [[30.0] * K + [1.0] * K], 0.1, "row 0, column azimuth_bs: 15 is outside"),
-        ("full ahead", 0.1, "no array of numbers"),
+        ("full ahead", 0.1, "not an array of numbers"),
         (np.zeros((5, 8)), 0.0, "step must be above 0"),
         (np.zeros((5, 8)), math.nan, "step must be above 0"),
     ],

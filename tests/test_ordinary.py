@@ -24,7 +24,7 @@ def test_the_bytes_of_an_ordinary_file_are_read_through_a_link_only_if_it_may_be
 def test_a_pipe_a_folder_and_a_device_are_refused_and_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     for path in (tmp_path / "pipe", tmp_path, Path("/dev/zero")):
-        with pytest.raises(OSError, match="no ordinary file"):
+        with pytest.raises(OSError, match="not a regular file"):
             contents(path)
 
 
@@ -48,7 +48,7 @@ def test_a_file_exchanged_as_it_is_opened_is_the_one_that_is_looked_at(
         return opening(*given)  # type: ignore[arg-type]
 
     monkeypatch.setattr(os, "open", exchange)
-    with pytest.raises(OSError, match="no ordinary file"):
+    with pytest.raises(OSError, match="not a regular file"):
         contents(path)
 
 

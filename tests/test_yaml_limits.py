@@ -108,9 +108,9 @@ def test_a_file_name_too_long_is_no_file(name: str) -> None:
 
 def test_a_file_that_is_none_is_refused_and_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.yaml")
-    with pytest.raises(UserError, match="is no ordinary file"):
+    with pytest.raises(UserError, match="is not a regular file"):
         read_yaml(tmp_path / "pipe.yaml")
-    with pytest.raises(UserError, match="is no ordinary file"):
+    with pytest.raises(UserError, match="is not a regular file"):
         read_yaml("/dev/zero")
 
 

@@ -193,7 +193,7 @@ def _refuse_log(log: Path) -> None:
         raise UserError(f"{log}: already exists; the log is a new dataset, name another folder")
     home = next(folder for folder in log.absolute().parents if folder.exists())
     if not home.is_dir() or not os.access(home, os.W_OK | os.X_OK):
-        raise UserError(f"{log}: {home} is no folder that may be written to; name another one for the log")
+        raise UserError(f"{log}: {home} is not a folder that may be written to; name another one for the log")
 
 
 def _report(voyage: "Voyage") -> None:

@@ -109,7 +109,7 @@ def learner(kind: str) -> Learner:
 
     if not is_code(kind) and kind not in own_kinds():
         known = [*LEARNERS, *own_kinds()]
-        raise UserError(f"{kind!r} is no kind of pilot{nearest(kind, known)}, or module:Class of your own")
+        raise UserError(f"{kind!r} is not a kind of pilot{nearest(kind, known)}, or module:Class of your own")
     return _own(kind)
 
 

@@ -72,4 +72,4 @@ def read_diagnosis(out: Path) -> Diagnosis:
     except OSError as error:
         raise os_error(error, path) from error
     except ValueError as error:
-        raise UserError(f"{path}: is no diagnosis; remove the folder {out.name}") from error
+        raise UserError(f"{path}: is not a diagnosis; remove the folder {out.name}") from error

@@ -71,7 +71,7 @@ class Store:
             del stored[KEY]
             trial = Trial(**stored)
         except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise UserError(f"{where}: is no trial ({error}); {AGAIN}") from error
+            raise UserError(f"{where}: is not a trial ({error}); {AGAIN}") from error
         if trial.number != number:
             raise UserError(f"{where}: is in the place of row {trial.number}; {AGAIN}")
         return trial

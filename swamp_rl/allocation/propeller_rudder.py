@@ -121,7 +121,7 @@ def propellers_of(boat: Boat) -> Propellers:
     for thruster in boat.thrusters:
         if not isinstance(thruster, PropellerRudder):
             raise UserError(
-                f"boat {boat.name}: thrusters.{thruster.name} is no propeller with a rudder; allocation "
+                f"boat {boat.name}: thrusters.{thruster.name} is not a propeller with a rudder; allocation "
                 "serves boats with jets alone or with such propellers alone"
             )
     return Propellers(boat.thruster_names, 0.5 * boat.length, parameters(boat))

@@ -13,7 +13,7 @@ LEAST, MOST = 1e-30, 1e20  # of any boat, in SI units; the fifth power of a diam
 def out_of_range(raw: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Dotted key and complaint for each number of a boat file or a design beyond what any boat has.
 
-    What is no finite number is left for the schema to refuse.
+    What is not a finite number is left for the schema to refuse.
     """
     for key, leaf in leaves(raw):
         value, spread = (leaf.get("value"), leaf.get(SPREAD)) if is_quantity(leaf) else (leaf, None)

@@ -56,7 +56,7 @@ class Unit:
         if not faults and not (isinstance(given["source"], str) and given["source"].strip()):
             faults = ["has an empty source; say where the number comes from"]
         if not faults and SPREAD in given and not _is_spread(given[SPREAD], given["value"]):
-            faults = ["has an sd that is no number of at least 0, nor a list of one for each value"]
+            faults = ["has an sd that is not a number of at least 0, nor a list of one for each value"]
         if faults:
             needs = f"the number {faults[0]}; write {{value, unit: {self.name}, provenance, source}}"
             raise PydanticCustomError("quantity", "{needs}", {"needs": needs})

@@ -72,12 +72,15 @@ def identify_boat(
     positions: bool = False,
     ignore: Sequence[str] = (),
 ) -> Identification:
-    """Fit the numbers of a boat file to a folder of runs; writes the boat file `out` and, beside it, a report
-    of the same name, .html.
+    """Fit the numbers of a boat file to runs; write the boat file `out` and a report beside it (.html).
 
-    dataset, holdout: read, or their folders; holdout: runs that the errors are measured on; without it every
-    third run; positions: also fit where the thrusters are; ignore: measured weather that is left out (`wind`,
-    `depth`). UserError for data that no fit is possible from, and where `out` is there already.
+    * `dataset`, `holdout`: datasets or their folders. Errors are measured on `holdout`; without it, on every
+      third run.
+    * `boat`: name or file of the boat to start from.
+    * `positions`: also fit the positions of the thrusters.
+    * `ignore`: measured quantities that are not used (`wind`, `depth`).
+
+    UserError if the data do not allow a fit, or if `out` exists.
     """
     dataset, out = as_on_disk(dataset), Path(out)
     began = time.perf_counter()
@@ -171,7 +174,7 @@ def _written(
 def refuse_to_overwrite(out: Path) -> None:
     """UserError unless `out` is the name of a new boat file."""
     if out.suffix != SUFFIX:
-        raise UserError(f"{out}: is no name of a boat file; let --out end in {SUFFIX}")
+        raise UserError(f"{out}: is not the name of a boat file; --out must end in {SUFFIX}")
     refuse_existing((out, out.with_suffix(REPORT)))
 
 

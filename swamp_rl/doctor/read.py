@@ -262,7 +262,9 @@ def _minari_episodes(
         texts = [described.get(key, "{}") for key in ("swamp_rl", COPIES)]
         about, copies = (parsed_json(text) if isinstance(text, str) else {} for text in texts)
     except (AttributeError, KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
-        raise UserError(f"{path}: is no whole Minari file ({clipped(error, 200)}); copy it again") from error
+        raise UserError(
+            f"{path}: is not a complete Minari file ({clipped(error, 200)}); copy it again"
+        ) from error
     about, copies = (one if isinstance(one, dict) else {} for one in (about, copies))
     return found, about, copies
 

@@ -66,8 +66,8 @@ def _column(name: Any, entries: Sequence[RandomEntry], first_columns: Sequence[i
     entry = entries[int(index)] if index.isdecimal() and int(index) < len(entries) else None
     if entry is None or entry.values.get(parameter) is None or entry.values[parameter].kind != "normal":
         raise UserError(
-            f"{where}: {name!r} is no normal number of an effect; name it as 0.north, by the place of its "
-            "effect in effects and its own name"
+            f"{where}: {name!r} is not a parameter with a normal distribution; name it as 0.north: the "
+            "place of its effect in effects and its own name"
         )
     return first_columns[int(index)] + entry.column(parameter)
 

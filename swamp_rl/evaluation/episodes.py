@@ -146,7 +146,7 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
         read = pq.read_table(source, page_checksum_verification=True, read_dictionary=texts)
         columns = {name: read[name].to_numpy() for name in read.column_names}
     except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
-        raise UserError(f"{path}: is no readable Parquet file; run the experiment again") from error
+        raise UserError(f"{path}: is not a readable Parquet file; run the experiment again") from error
     missing = [name for name in ("pilot", "level", *COLUMNS) if name not in read.column_names]
     if missing:
         raise UserError(f"{path}: has no column {missing[0]}; it must be the episodes of an experiment")

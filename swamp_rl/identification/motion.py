@@ -86,7 +86,7 @@ def _actuators(run: Run, boat: Boat) -> Array:
     for thruster in boat.thrusters:
         if not isinstance(thruster, Thruster):
             raise UserError(
-                f"boat {boat.name}: thrusters.{thruster.name} is no jet; these methods are for jets"
+                f"boat {boat.name}: thrusters.{thruster.name} is not a jet; these methods are for jets"
             )
     found = run.commands(boat.thruster_names, fixed_thrusters(boat))
     for k, thruster in enumerate(boat.thrusters):

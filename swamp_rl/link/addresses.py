@@ -57,7 +57,7 @@ def addresses(text: str, thrusters: int, computers: int = 1) -> Addresses:
         host, _, port = text.partition(":")
         return _one(text, IPv4Address(host), int(port), thrusters, computers)
     except (AddressValueError, NetmaskValueError, ValueError) as error:
-        raise UserError(f"{text}: is no address of a vehicle; give one such as {EXAMPLES}") from error
+        raise UserError(f"{text}: is not the address of a vehicle; give one such as {EXAMPLES}") from error
 
 
 def _network(text: str, network: IPv4Network, thrusters: int, computers: int) -> Addresses:

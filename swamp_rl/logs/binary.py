@@ -38,7 +38,7 @@ def reading(path: Path, what: str, repair: str = "") -> Iterator[None]:
     except (Exception, RecursionError) as error:
         reason = f" ({clipped(words, 200)})" if (words := _words(error)) else ""
         remedy = f"copy it again{repair and f', or repair it with {repair}'}"
-        raise UserError(f"{path}: is no complete {what}{reason}; {remedy}") from error
+        raise UserError(f"{path}: is not a complete {what}{reason}; {remedy}") from error
 
 
 def _words(error: BaseException) -> str:

@@ -271,7 +271,7 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
         if stamps is None:
             cell = clipped(cell_text(cells, 0), 40)
             raise UserError(
-                f"{log.file}: {where}: {cell!r} is no time; give seconds, ticks since 1970 or "
+                f"{log.file}: {where}: {cell!r} is not a time; give seconds, ticks since 1970 or "
                 "ISO 8601 (2026-05-01T12:00:00.100Z), in a spreadsheet the format yyyy-mm-dd hh:mm:ss.000"
             )
         return stamps if isinstance(node, Name) else _shifted(stamps, node, words[0])

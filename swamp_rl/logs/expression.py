@@ -29,7 +29,7 @@ LONGEST = 500
 """Characters of an expression."""
 DEEPEST = 40
 """Parentheses, functions, signs and powers in one another."""
-QUOTING = "; a column whose name is no word stands between backquotes, as in `Yaw (deg)`"
+QUOTING = "; a column whose name is not a word is put between backquotes, as in `Yaw (deg)`"
 TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
     r"|(?P<name>[^\W\d]\w*(?:\.\w+|\[[0-9]+\])*)|`(?P<quoted>[^`]+)`"

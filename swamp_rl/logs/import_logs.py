@@ -211,7 +211,7 @@ def tables_in(folder: Path, kind: str) -> list[Path]:
     if kind not in TABLES:
         raise UserError(f"--join-folders: is for tables; give --from {' or '.join(TABLES)}")
     if not folder.is_dir():
-        raise UserError(f"{folder}: is no folder; leave --join-folders out, or name folders")
+        raise UserError(f"{folder}: is not a folder; leave --join-folders out, or name folders")
     return whole_folder(folder, kind)
 
 

@@ -61,7 +61,7 @@ class MappingFile(BaseModel):
     def _are_columns(cls, columns: dict[str, Given]) -> dict[str, Given]:
         for name in columns:
             if not COLUMN.fullmatch(name):
-                raise ValueError(f"{name[:60]!r} is no name of a column: letters, digits and underscores")
+                raise ValueError(f"{name[:60]!r} is not a column name: letters, digits and underscores")
         return columns
 
 

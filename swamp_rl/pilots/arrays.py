@@ -40,13 +40,13 @@ def checked(observation: Any, senses: Sequence[str], boats: int | None = None) -
     """The observation as an array (n, d), d that of `senses`.
 
     boats: n since the last reset, None where the pilot resets itself for another n. UserError for another
-    shape, and for a value that is no finite number.
+    shape, and for a value that is not a finite number.
     """
     try:
         seen = np.asarray(observation)
         sound = bool(np.isfinite(seen).all())
     except (TypeError, ValueError) as error:
-        raise UserError(f"pilot.act: the observation is no array of numbers ({error})") from error
+        raise UserError(f"pilot.act: the observation is not an array of numbers ({error})") from error
     if seen.ndim != 2 or seen.shape[1] != len(senses):
         raise UserError(
             f"pilot.act: the observation is {seen.shape}, (n, {len(senses)}) is needed: {', '.join(senses)}"
@@ -58,7 +58,7 @@ def checked(observation: Any, senses: Sequence[str], boats: int | None = None) -
         )
     if not sound:
         row, place = np.argwhere(~np.isfinite(seen))[0]
-        raise UserError(f"pilot.act: boat {row}: {senses[place]} is no finite number")
+        raise UserError(f"pilot.act: boat {row}: {senses[place]} is not a finite number")
     return seen
 
 

@@ -46,7 +46,7 @@ def readable(path: Path) -> Iterator[None]:
     try:
         yield
     except (LookupError, TypeError, AttributeError, ValueError, RuntimeError) as error:
-        raise UserError(f"{path}: is no complete checkpoint ({error}); {REMEDY}") from error
+        raise UserError(f"{path}: is not a complete checkpoint ({error}); {REMEDY}") from error
 
 
 def module_state(owner: str, module: Any) -> dict[str, Array]:

@@ -235,13 +235,13 @@ def is_known_model(content: bytes) -> bool:
 def _installed(kind: str) -> Any:
     found = [entry for entry in entry_points(group=GROUP) if entry.name == kind]
     if not found:
-        raise UserError(f"{kind!r} is no kind of pilot of an installed package (entry points {GROUP})")
+        raise UserError(f"{kind!r} is not a kind of pilot of an installed package (entry points {GROUP})")
     return found[0].load()
 
 
 def _check(kind: str, found: Any) -> None:
     if not isinstance(found, type):
-        raise UserError(f"{kind}: is no class; name one as module:Class")
+        raise UserError(f"{kind}: is not a class; name one as module:Class")
     missing = [name for name in NEEDED if not callable(getattr(found, name, None))]
     if missing:
         raise UserError(f"{kind}: has no {', '.join(missing)}; see docs/own_pilot.md")

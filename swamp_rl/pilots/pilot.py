@@ -31,7 +31,7 @@ class Pilot(Protocol):
     def act(self, observation: Array) -> Array:
         """Return levers (n, 2), throttle in [0, 1] and angle in [-1, 1], for observations (n, d) in SI.
 
-        UserError for another shape or number of boats, and for a value that is no finite number.
+        UserError for another shape or number of boats, and for a value that is not a finite number.
         """
 
     def settings(self) -> dict[str, Any]:

@@ -99,7 +99,7 @@ def _loaded(content: bytes, file: str) -> Any:
             data = json.loads(archive.read("data"))
     except (zipfile.BadZipFile, KeyError, ValueError, RecursionError) as error:
         raise UserError(
-            f"{named}: is no model of stable-baselines3 ({error}); name the zip it saved"
+            f"{named}: is not a model of stable-baselines3 ({error}); name the zip it saved"
         ) from error
     names = [MARKS[mark] for mark in MARKS if isinstance(data, Mapping) and mark in data]
     if not names:

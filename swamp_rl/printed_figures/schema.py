@@ -215,7 +215,7 @@ def _faults_of(figure: Figure, loads: Sequence[float], boat: Boat) -> list[str]:
             "add a load with its draught"
         )
     faults += [
-        f"thrusters: {name!r} is no thruster of boat {boat.name}{nearest(name, boat.thruster_names)}"
+        f"thrusters: {name!r} is not a thruster of boat {boat.name}{nearest(name, boat.thruster_names)}"
         for name in figure.thrusters
         if name not in boat.thruster_names
     ]

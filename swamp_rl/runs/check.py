@@ -29,7 +29,7 @@ MISSING = "is missing; add it"
 FORMULA = "=+-@"
 "What a spreadsheet takes for the beginning of a formula, in a header too, when it opens a run as CSV."
 ODD_NAME = (
-    f"is no name of a column: it is not blank, has at most {LONGEST} bytes, all print and the first is none "
+    f"is not a column name: it is not blank, has at most {LONGEST} bytes, all print and the first is none "
     f"of {FORMULA}; rename it"
 )
 
@@ -114,7 +114,7 @@ def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]
         name,
         table.rows,
         infinite,
-        lambda i: f"{values[i]} is no finite number; correct it or cut the run here",
+        lambda i: f"{values[i]} is not a finite number; correct it or cut the run here",
     )
     with np.errstate(invalid="ignore"):
         outside = np.isfinite(values) & ((values < span.low) | (values > span.high))
@@ -237,8 +237,11 @@ def _check_degrees_against_yaw_rate(file: str, columns: dict[str, NDArray[np.flo
     if min(size) == 0.0 or turned @ given < 0.9 * size[0] * size[1]:
         return []
     ratio = size[1] / size[0]
-    for name, mistaken, unit in (("yaw_rate", ratio, "rad/s"), ("heading", 1.0 / ratio, "rad")):
+    for name, mistaken, unit, evidence in (
+        ("yaw_rate", ratio, "rad/s", "it is {:.3g} times the slope of heading"),
+        ("heading", 1.0 / ratio, "rad", "its slope is {:.3g} times yaw_rate"),
+    ):
         if abs(mistaken / DEGREES - 1.0) < 0.25:
-            message = f"looks like degrees against the other of heading and yaw_rate; give it in {unit}"
+            message = f"looks like degrees: {evidence.format(mistaken)}; give it in {unit}"
             return [Fault(file, None, name, message)]
     return []

@@ -44,7 +44,9 @@ def import_free_running(path: Path | str, boat: Boat, repair: bool = False) -> R
     table = read_table(path)
     missing = [name for name in COLUMNS if name not in table.columns]
     if missing and table.columns:
-        raise UserError(f"{path}: column {missing[0]!r} is missing; this is no table of free-running tests")
+        raise UserError(
+            f"{path}: column {missing[0]!r} is missing; this is not a table of free-running tests"
+        )
     if not table.columns:
         raise UserError(f"{path}: {table.faults[0].message}")
     whole = np.logical_and.reduce([np.isfinite(table.columns[name]) for name in COLUMNS])

@@ -36,7 +36,7 @@ FASTEST = 20_000.0
 """Hz that the rows of a log do not come at; at 0.3 Hz, times in days seem to."""
 ROW_ALONE = (
     "is missing",
-    "is no time",
+    "is not a time",
     "is not a number",
     "no finite number",
     "cut short",

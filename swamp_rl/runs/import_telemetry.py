@@ -109,7 +109,7 @@ def _lines(path: Path) -> tuple[list[int], list[list[str]], list[list[int]]]:
     except OSError as error:
         raise os_error(error, path) from error
     except UnicodeDecodeError as error:
-        raise UserError(f"{path}: byte {error.start} is no text; name a file of telemetry lines") from error
+        raise UserError(f"{path}: byte {error.start} is not text; name a file of telemetry lines") from error
     numbers, words, modules = [], [], []
     for number, line in enumerate(text.splitlines(), 1):
         found = line.split()
@@ -180,7 +180,7 @@ def _ticks(path: Path, line: int, stamp: int) -> int:
         if low <= stamp < high:
             return ticks
     raise UserError(
-        f"{path}: line {line}, field {FIELDS.index('utc') + 1} (utc): {stamp} is no time since "
+        f"{path}: line {line}, field {FIELDS.index('utc') + 1} (utc): {stamp} is not a time since "
         "1970 in s, ms, µs or ns; correct it"
     )
 

@@ -166,7 +166,7 @@ def _reading(path: Path) -> Iterator[None]:
                 "again, or repair it with `mcap recover`"
             ) from error
         raise UserError(
-            f"{path}: is no whole MCAP file ({type(error).__name__}: {error}); copy it again"
+            f"{path}: is not a complete MCAP file ({type(error).__name__}: {error}); copy it again"
         ) from error
 
 

@@ -89,7 +89,7 @@ class DatasetMeta(BaseModel):
     def _are_named_plainly(cls, copies: dict[str, str]) -> dict[str, str]:
         for name in copies:
             if plain_name(name, YAML) == META:
-                raise ValueError(f"{META} is no copy; remove the entry")
+                raise ValueError(f"{META} is not a copy; remove the entry")
         return copies
 
     @model_validator(mode="after")

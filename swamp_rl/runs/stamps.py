@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 UNIT = {ticks: unit for unit, ticks in TICKS.items()}
 EPOCHS = {1: (10**9, 10**10), 10**3: (10**12, 10**13), 10**6: (10**15, 10**16), 10**9: (10**18, 10**19)}
 """Ticks in a second, by the span of stamps since 1970 that then fall into the years 2001 to 2286."""
-NO_TIME = "is no time; correct it or cut the row"
+NO_TIME = "is not a time; correct it or cut the row"
 ZERO = datetime(1970, 1, 1, tzinfo=UTC)
 YEARS = -62_135_596_800, 253_402_300_800
 """s since 1970 of the years 1 to 9999."""

@@ -44,7 +44,7 @@ def factor(name: str, unit: str, column: str | None = None) -> float:
         return next(iter(factors.values()))
     if ours not in factors:
         known = ", ".join(other for other, of in UNITS.items() if ours in of)
-        raise UserError(f"column {name}: {unit} is no unit of it; give one of {known}")
+        raise UserError(f"column {name}: {unit} is not a unit of it; give one of {known}")
     return factors[ours]
 
 

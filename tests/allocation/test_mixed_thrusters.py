@@ -51,6 +51,6 @@ def test_the_mirrored_force_is_the_mirrored_command() -> None:
 def test_a_rudder_beside_a_jet_is_refused_in_one_line() -> None:
     jet = {**BOW, "x": 1.2, "azimuth_min": -1.0, "azimuth_max": 1.0}
     boat = load_boat("esso_osaka", {"thrusters": {"bow": {k: v for k, v in jet.items() if k != "name"}}})
-    with pytest.raises(UserError, match=r"thrusters\.bow is no propeller with a rudder") as refused:
+    with pytest.raises(UserError, match=r"thrusters\.bow is not a propeller with a rudder") as refused:
         drive_of(boat)
     assert "\n" not in str(refused.value)

@@ -49,5 +49,5 @@ def test_the_rudder_goes_no_farther_than_its_rate_allows() -> None:
 
 
 def test_a_boat_with_jets_is_refused() -> None:
-    with pytest.raises(UserError, match=r"swamp: thrusters\.bs is no propeller with a rudder"):
+    with pytest.raises(UserError, match=r"swamp: thrusters\.bs is not a propeller with a rudder"):
         propellers_of(load_boat("swamp"))

@@ -143,7 +143,7 @@ def test_a_number_with_half_its_provenance_is_refused(tmp_path: Path, quantity: 
 @pytest.mark.parametrize("sd", ["-1.0", ".nan", "wide", "[1.0]", "true"])
 def test_a_standard_deviation_that_is_none_is_refused(tmp_path: Path, sd: str) -> None:
     quantity = f"{{value: 50, unit: kg, provenance: assumed, source: scales, sd: {sd}}}"
-    assert "has an sd that is no number" in refused(tmp_path, f"extends: swamp\nmass: {quantity}\n")
+    assert "has an sd that is not a number" in refused(tmp_path, f"extends: swamp\nmass: {quantity}\n")
 
 
 def test_a_key_that_is_left_out_is_named(tmp_path: Path) -> None:

@@ -184,8 +184,14 @@ def test_a_number_that_is_certain_is_left_out_of_what_is_drawn_together(tmp_path
     [
         ({"numbers": ["0.north", "0.east"]}, "correlated: must be"),
         ({"numbers": ["0.north"], "matrix": [[1.0]]}, "two or more"),
-        ({"numbers": ["0.north", "0.nroth"], "matrix": [[1, 0], [0, 1]]}, "'0.nroth' is no normal number"),
-        ({"numbers": ["0.north", "3.east"], "matrix": [[1, 0], [0, 1]]}, "'3.east' is no normal number"),
+        (
+            {"numbers": ["0.north", "0.nroth"], "matrix": [[1, 0], [0, 1]]},
+            "'0.nroth' is not a parameter with a normal distribution",
+        ),
+        (
+            {"numbers": ["0.north", "3.east"], "matrix": [[1, 0], [0, 1]]},
+            "'3.east' is not a parameter with a normal distribution",
+        ),
         ({"numbers": ["0.north", "0.east"], "matrix": [[1, 0]]}, "2 rows of 2 numbers"),
         ({"numbers": ["0.north", "0.east"], "matrix": [[1, 2], [2, 1]]}, "none of correlations"),
         ({"numbers": ["0.north", "0.east"], "matrix": [[1, 0.5], [0.4, 1]]}, "none of correlations"),
@@ -273,7 +279,7 @@ def test_a_file_that_is_no_diagnosis_and_one_without_causes_are_refused(tmp_path
         (
             {"effect": "current", "parameters": {"north": estimate(np.nan, 0.1)}},
             None,
-            "NaN is no finite number",
+            "NaN is not a finite number",
         ),
         (
             {"effect": "current", "parameters": {"north": estimate(0.1, -0.1)}},

@@ -289,7 +289,7 @@ FAULTY: dict[str, tuple[Entry, str]] = {
     "no number": (GOOD | {"value": math.nan}, "value: must be a finite number"),
     "given twice": (GOOD | {"value": 18.0}, "the same figure of the same test as figures 1"),
     "unknown mass": (GOOD | {"mass": 50.0}, "mass 50 kg is neither"),
-    "unknown thruster": (GOOD | {"thrusters": ["bow"]}, "'bow' is no thruster"),
+    "unknown thruster": (GOOD | {"thrusters": ["bow"]}, "'bow' is not a thruster"),
     "another manoeuvre's key": (GOOD | {"angle_deg": 3.0}, "angle_deg: bollard has no such key"),
     "a command that lacks": (GOOD | {"manoeuvre": "towed", "figure": "resistance"}, "speed is missing"),
     "unknown key": (GOOD | {"sourc": "x"}, "sourc: unknown key; did you mean 'source'"),

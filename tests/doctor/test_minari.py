@@ -55,5 +55,5 @@ def test_a_minari_file_names_no_other_file_and_claims_no_more_than_is_read(
         file["time"] = np.arange(8.0)
     with h5py.File(held, "w") as file:
         make(file.create_group("z/infos"), secret)
-    with pytest.raises(UserError, match=f"no whole Minari file .*{message}"):
+    with pytest.raises(UserError, match=f"not a complete Minari file .*{message}"):
         read_records(tmp_path)

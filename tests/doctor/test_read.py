@@ -176,5 +176,5 @@ def test_a_damaged_minari_file_is_one_line(tmp_path: Path, held: bytes) -> None:
     pytest.importorskip("h5py", reason="h5py is not installed; Minari's folders are not tested")
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "main_data.hdf5").write_bytes(held)
-    with pytest.raises(UserError, match="no whole Minari file"):
+    with pytest.raises(UserError, match="not a complete Minari file"):
         read_records(tmp_path)

@@ -215,7 +215,7 @@ def test_a_boat_that_is_only_started_anew_is_paid_nothing() -> None:
         ({"observation": [drive]}, "given by its name as text, 'swamp_rl.evaluation.rollout:drive'"),
         ({"reward": {"no_such_module:term": 1.0}}, "reward: no_such_module:term: cannot be imported"),
         ({"reward": {named("nobody"): 1.0}}, "nobody"),
-        ({"reward": {named("number"): 1.0}}, "is no function"),
+        ({"reward": {named("number"): 1.0}}, "is not a function"),
         ({"observation": ["wind_ahaed"]}, "did you mean 'wind_ahead'"),
         ({"observation": [named("weather")]}, "bounds: the first must be below the second"),
         ({"time_limit": 0.5}, "time_limit"),

@@ -202,7 +202,7 @@ def test_what_is_no_folder_of_tables_is_reported(tmp_path: Path, boat: str) -> N
     with pytest.raises(UserError, match=r"rename one, or give --join-folders"):
         imported(bag, boat, IN_FOLDERS)
     (gps,) = bag.rglob("gps.csv")
-    with pytest.raises(UserError, match=r"gps\.csv: is no folder"):
+    with pytest.raises(UserError, match=r"gps\.csv: is not a folder"):
         imported(gps, boat, IN_FOLDERS, folders=True)
     (bag / "first" / "sensors_front").mkdir()
     gps.rename(bag / "first" / "sensors_front" / "ahrs.csv")
@@ -316,7 +316,7 @@ def test_times_that_come_again_or_go_back_are_borders(tmp_path: Path, boat: str)
         (["north=n"], Wishes(), "there is no column 'n'"),
         ([*MAP, "surge=speed"], Wishes(), "there is no column 'speed'"),
         (MAP[1:], Wishes(), "add --map time=COLUMN"),
-        ([*MAP[1:], "time=mode"], Wishes(), "is no time"),
+        ([*MAP[1:], "time=mode"], Wishes(), "is not a time"),
         ([*MAP[:3], "yaw=compass"], Wishes(), "--map yaw: reaches"),
         ([*MAP, "qw=lat"], Wishes(), "qx"),
         ([*MAP, "yaw=lat"], Wishes(), "heading and yaw"),
@@ -344,7 +344,7 @@ def test_a_mapping_that_does_not_fit_is_refused(
     ("text", "part"),
     [
         ("columns: {north: n, east: {value: e, unit: parsec}}", "columns.east"),
-        ("columns: {'a b': n}", "no name of a column"),
+        ("columns: {'a b': n}", "not a column name"),
         ("columns: {north: 'n +'}", "columns.north: expression"),
         ("frame: up", "frame"),
         ("colums: {north: n}", "did you mean 'columns'"),

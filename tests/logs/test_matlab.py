@@ -74,7 +74,7 @@ def test_files_that_cannot_be_read_are_refused_in_one_line(tmp_path: Path) -> No
     savemat(tmp_path / "words.mat", {"note": "calm"})
     refused = {
         "version 7.3": newer,
-        "no complete MATLAB file": whole[:3000],
+        "not a complete MATLAB file": whole[:3000],
         "no vectors": (tmp_path / "words.mat").read_bytes(),
     }
     for words, content in refused.items():

@@ -135,7 +135,7 @@ def test_stamps_from_before_a_fix_are_bad_rows_and_change_no_unit(
 ) -> None:
     stamps = ["0", "0", "0", *(f"{round((start + t) * ticks)}" for t in TIME[3:])]
     path = table(tmp_path / "log.csv", stamps)
-    with pytest.raises(UserError, match=r"row 1 \(line 2\), column time: is no time"):
+    with pytest.raises(UserError, match=r"row 1 \(line 2\), column time: is not a time"):
         imported([path])
     run = imported([path], Wishes(bad_rows="cut"))
     assert run.time == pytest.approx(TIME[3:] - TIME[3], abs=1e-5)
@@ -225,7 +225,7 @@ def test_cells_that_are_no_number_are_faults_whatever_their_type(tmp_path: Path,
     pq.write_table(pa.table({"t": cells, "x": TIME, "y": TIME, "psi": TIME}), path)
     assert "is not a number" in read_table(path).faults[0].message
     assert list(listing(read_log(path, "parquet")))[1].startswith("  t: no numbers, as")
-    with pytest.raises(UserError, match=r"--map time: .* is no time"):
+    with pytest.raises(UserError, match=r"--map time: .* is not a time"):
         imported([path])
 
 
@@ -306,7 +306,7 @@ def test_a_row_without_a_time_is_reported_with_the_option_that_leaves_it_out(
     with pytest.raises(UserError) as error:
         made(Wishes())
     (line,) = str(error.value).splitlines()
-    assert "row 31 (line 32), column time: is no time; correct it or cut the row" in line
+    assert "row 31 (line 32), column time: is not a time; correct it or cut the row" in line
     assert line.endswith("(--bad-rows cut or split); nothing was imported")
     run = made(Wishes(bad_rows="cut"))
     assert len(run.time) == 30 and run.time == pytest.approx(TIME[:30])

@@ -34,11 +34,11 @@ def test_a_wrong_shape_and_values_that_are_no_numbers_are_refused(kind: str) -> 
     for wrong in (np.zeros(d), np.zeros((2, d + 1)), np.zeros((2, d, 1))):
         with pytest.raises(UserError, match=rf"the observation is .*\(n, {d}\) is needed"):
             pilot.act(wrong)
-    with pytest.raises(UserError, match="no array of numbers"):
+    with pytest.raises(UserError, match="not an array of numbers"):
         pilot.act([["ahead"] * d] * 2)  # type: ignore[arg-type]
     lost = np.zeros((2, d))
     lost[1, 0] = np.nan
-    with pytest.raises(UserError, match=f"boat 1: {pilot.senses[0]} is no finite number"):
+    with pytest.raises(UserError, match=f"boat 1: {pilot.senses[0]} is not a finite number"):
         pilot.act(lost)
     assert np.isfinite(pilot.act(np.zeros((2, d)))).all()
 

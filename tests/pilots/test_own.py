@@ -99,9 +99,9 @@ def test_its_stored_copy_steers_as_it_did(place: Path) -> None:
         ("my_pilot:Nobody", {}, "Nobody"),
         ("no_such_module:MyPilot", {}, "no_such_module"),
         ("my_pilot:Options", {}, "has no train"),
-        ("my_pilot:np", {}, "is no class"),
+        ("my_pilot:np", {}, "is not a class"),
         ("my_pilot:MyPilot", {"epoch": 3}, "epochs"),
-        ("my_pilott", {}, "no kind of pilot"),
+        ("my_pilott", {}, "not a kind of pilot"),
     ],
 )
 def test_a_wrong_class_or_option_is_refused_by_key(
@@ -295,7 +295,7 @@ def test_a_model_of_sb3_gives_the_levers_that_its_library_predicts(
 
 def test_what_is_no_model_and_a_model_that_was_changed_are_refused(place: Path) -> None:
     (place / "model.zip").write_bytes(b"nothing")
-    with pytest.raises(UserError, match="no model of stable-baselines3"):
+    with pytest.raises(UserError, match="not a model of stable-baselines3"):
         opened(asked_pilot(f"sb3:{place}/model.zip"))
     with pytest.raises(UserError, match=r"nowhere\.zip: No such file"):
         asked_pilot("sb3:nowhere.zip")

@@ -69,7 +69,7 @@ def test_a_value_that_is_not_finite_is_found_where_it_stands(
     columns[column][row] = value
     (fault,) = faults_of(good, columns)
     assert (fault.file, fault.row, fault.column) == ("run.parquet", row + 1, column)
-    assert "no finite number" in fault.message
+    assert "not a finite number" in fault.message
 
 
 @given(st.integers(0, ROWS - 1), st.sampled_from(sorted(OUT_OF_RANGE)))
@@ -351,11 +351,11 @@ def test_a_column_on_whose_name_a_spreadsheet_or_a_terminal_acts_is_named_and_ne
 ) -> None:
     create_dataset(tmp_path, described())
     columns = circling(0.5)
-    with pytest.raises(UserError, match="is no name of a column"):
+    with pytest.raises(UserError, match="is not a column name"):
         append_run(tmp_path, Run("run", columns | {name: columns["north"]}), kind)
     assert not list(tmp_path.glob("run.*"))
     path = append_run(tmp_path, Run("run", columns), kind)
     write_table(path, columns | {name: columns["north"]})
     faults = [str(fault) for fault in check_dataset(tmp_path)]
-    assert [fault for fault in faults if "is no name of a column" in fault] != []
+    assert [fault for fault in faults if "is not a column name" in fault] != []
     assert all(fault.isprintable() and len(fault) < 400 for fault in faults)

@@ -90,7 +90,7 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
             ["row 7 (line 8), column north", "'abc' is not a number", "there 'x'"],
         ),
         (with_cell("x", 6, ""), WISHES, ["row 7", "is missing"]),
-        (with_cell("x", 6, "inf"), WISHES, ["row 7", "no finite number"]),
+        (with_cell("x", 6, "inf"), WISHES, ["row 7", "not a finite number"]),
         (with_cell("t_ms", 6, 0), WISHES, ["row 7", "does not come after"]),
         (with_cell("t_ms", 6, 640), WISHES, ["row 7", "(--resample HZ)"]),
         (with_cell("psi", 6, 800), WISHES, ["column heading", "degrees"]),

@@ -111,7 +111,7 @@ def bad(index: int, field: int, value: str) -> list[list[str]]:
         (bad(4, 39, "1e9"), ["line 5, field 39 (utc)", "whole number"]),
         (bad(4, 11, "30"), ["line 5, field 11 (position_flags)", "in 1 line(s)"]),
         (bad(4, 37, "0"), ["line 5, field 37 (velocity_flags)"]),
-        (bad(0, 39, "12345"), ["line 1, field 39 (utc)", "no time since 1970"]),
+        (bad(0, 39, "12345"), ["line 1, field 39 (utc)", "not a time since 1970"]),
         (bad(4, 39, str(START)), ["row 5", "column time", "does not come after"]),
         (bad(4, 5, "91.0"), ["row 5", "column latitude"]),
         (bad(4, 1, "102"), ["senders [101, 102]", "--sender 101"]),

@@ -47,7 +47,9 @@ def test_the_doctors_units_are_those_of_the_import(column: str, units: dict[str,
     ],
 )
 def test_a_unit_of_another_quantity_is_refused_with_those_that_fit(name: str, unit: str, known: str) -> None:
-    with pytest.raises(UserError, match=rf"^column {name}: {unit} is no unit of it; give one of .*{known}"):
+    with pytest.raises(
+        UserError, match=rf"^column {name}: {unit} is not a unit of it; give one of .*{known}"
+    ):
         factor(name, unit)
 
 
@@ -58,6 +60,6 @@ def test_a_yaw_rate_in_revolutions_a_minute_is_imported_in_radians_a_second(tmp_
     import_runs([tmp_path / "one.csv"], "csv", tmp_path / "out", None, Wishes(units={"yaw_rate": "rpm"}))
     (run,) = read_dataset(tmp_path / "out").runs
     assert np.allclose(run.columns["yaw_rate"], columns["yaw_rate"], atol=1e-12)
-    with pytest.raises(UserError, match="column yaw_rate: kn is no unit of it"):
+    with pytest.raises(UserError, match="column yaw_rate: kn is not a unit of it"):
         import_runs([tmp_path / "one.csv"], "csv", tmp_path / "no", None, Wishes(units={"yaw_rate": "kn"}))
     assert not (tmp_path / "no").exists()

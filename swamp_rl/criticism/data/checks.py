@@ -23,7 +23,7 @@ def refuse_disorder(run: Run, folder: str) -> None:
         raise UserError(f"{folder}: run {run.name}: column time is missing; add it")
     bad = np.flatnonzero(~np.isfinite(run.time))
     if len(bad):
-        raise UserError(f"{folder}: run {run.name}, row {bad[0] + 1}: time is no number; correct it")
+        raise UserError(f"{folder}: run {run.name}, row {bad[0] + 1}: time is not a number; correct it")
     back = np.flatnonzero(np.diff(run.time) <= 0.0)
     if len(back):
         row = int(back[0]) + 1

@@ -140,7 +140,7 @@ def test_check_names_every_fault_and_fails(call: Call, folder: Path) -> None:
     (folder / "two.parquet").write_bytes(b"PAR1")
     code, out, _ = call("runs", "check", folder)
     assert code == 1
-    assert "one.csv: row 4 (line 5), column north: nan is no finite number" in out
+    assert "one.csv: row 4 (line 5), column north: nan is not a finite number" in out
     assert "one.csv: row 9 (line 10), column time: 'abc' is not a number" in out
     assert "two.parquet: cannot be read" in out
     assert out.splitlines()[-1].endswith("3 faults")

@@ -57,7 +57,7 @@ def test_a_vehicle_that_does_not_answer_is_one_line(
 @pytest.mark.parametrize(
     "words, part",
     [
-        (("--link", "pier"), "pier: is no address of a vehicle"),
+        (("--link", "pier"), "pier: is not the address of a vehicle"),
         (("--link", "127.0.0.0/24", "--boat", "esso_osaka"), "do not reverse"),
         (("--link", "127.0.0.0/24", "--boat", "swamp", "--boat", "swamp-light"), "give one --boat"),
         (("--link", "127.0.0.0/24", "--disturbances", "severe"), "leave out --disturbances"),
@@ -75,12 +75,12 @@ def test_a_recorder_at_a_link_refuses_in_one_line(call: Call, words: tuple[str, 
 @pytest.mark.parametrize(
     "words, parts",
     [
-        (("helm", "line-of-sight", "--link", "127.0.0.1"), ("127.0.0.1: is no address of a vehicle",)),
-        (("helm", "line-of-sight", "--link", "nowhere/24"), ("is no address of a vehicle",)),
+        (("helm", "line-of-sight", "--link", "127.0.0.1"), ("127.0.0.1: is not the address of a vehicle",)),
+        (("helm", "line-of-sight", "--link", "nowhere/24"), ("is not the address of a vehicle",)),
         (("helm", "line-of-sight", "--boat", "esso_osaka"), ("thrusters.main", "do not reverse")),
         (("helm", "missing"), ("missing",)),
         (("helm", "line-of-sight", "--origin", "95,9"), ("--origin 95,9",)),
-        (("vehicle", "--address", "127.0.0.1:70000"), ("is no address of a vehicle",)),
+        (("vehicle", "--address", "127.0.0.1:70000"), ("is not the address of a vehicle",)),
         (("vehicle", "--address", "192.0.2.1:29680"), ("cannot be served",)),
         (("vehicle", "esso_osaka"), ("thrusters.main",)),
     ],
@@ -95,4 +95,4 @@ def test_an_existing_log_is_refused_before_anything_is_driven(call: Call, tmp_pa
     (tmp_path / "file").write_text("mine")
     assert_complains(call("helm", "line-of-sight", "--log", "log"), "log: already exists")
     assert_complains(call("helm", "line-of-sight", "--log", "link"), "link: already exists")
-    assert_complains(call("helm", "line-of-sight", "--log", "file/log"), "file/log", "is no folder")
+    assert_complains(call("helm", "line-of-sight", "--log", "file/log"), "file/log", "is not a folder")

@@ -164,5 +164,5 @@ def test_a_folder_without_episodes_and_a_broken_one_are_reported(tmp_path: Path)
         find_results([tmp_path])
     broken = folder_of(tmp_path / "a", {"ppo": np.ones(5)})
     (broken / "episodes.parquet").write_bytes(b"PAR1 but no more")
-    with pytest.raises(UserError, match="no readable Parquet"):
+    with pytest.raises(UserError, match="not a readable Parquet"):
         compare([broken])
