@@ -40,8 +40,11 @@ def imported(folder: Path, boat: str, more: list[str], units: dict[str, str], fr
 @pytest.mark.parametrize(
     ("more", "part"),
     [
-        (["r=turn"], "column yaw_rate: looks like degrees .* \\(--unit r=deg/s\\)"),
-        (["yaw_rate=turn"], "column yaw_rate: looks like degrees .* \\(--unit yaw_rate=deg/s\\)"),
+        (["r=turn"], "column yaw_rate: looks like degrees: .* \\(--unit r=deg/s\\)"),
+        (
+            ["yaw_rate=turn"],
+            "column yaw_rate: looks like degrees: it is 57.* times .* \\(--unit yaw_rate=deg/s\\)",
+        ),
         (["depth=mode"], "column depth: 'AUTO' is not a number; .* or leave the column out of the mapping"),
         (["Surge=speed"], "column Surge: is surge of the run format; name it so in the mapping"),
         (["throttle_bow=port"], "column throttle_bow: .* \\(--map, --boat\\)"),
