@@ -51,11 +51,11 @@ class Identified(NamedTuple):
 def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0.1, seed: int = 0) -> Run:
     """Simulate a boat with its effects under commands; return the run.
 
-    * `boat`: a boat, or the name or path of its file.
-    * `commands`: (T, 2K) for K thrusters in the boat file's order: K azimuths [rad], then K throttles [1].
+    - `boat`: a boat, or the name or path of its file.
+    - `commands`: (T, 2K) for K thrusters in the boat file's order: K azimuths [rad], then K throttles [1].
       Each row is held for `step` [s]; the boat starts at rest at the origin, heading north. Or a run: its
       commands are replayed from its first state at its own times.
-    * `seed`: of random effects, such as gusts.
+    - `seed`: of random effects, such as gusts.
 
     The columns of the result are those of the run format, (T,) each. UserError if the commands are not those
     of this boat, or if a value is out of range, as in percent or degrees. The limits are the boat's for an
@@ -77,9 +77,9 @@ def trial(
 ) -> list[tuple[Run, Result]]:
     """Simulate a sea trial in closed loop; return (run, result) for each angle and throttle.
 
-    * `manoeuvre`: turning-circle, zig-zag, spiral, reverse-spiral, pull-out, stopping or straight.
-    * `boat`: a boat, or the name or path of its file.
-    * `entry`: keys of an entry of a plan file, such as throttle=0.6 (share of full), angle_deg=[20, 30]
+    - `manoeuvre`: turning-circle, zig-zag, spiral, reverse-spiral, pull-out, stopping or straight.
+    - `boat`: a boat, or the name or path of its file.
+    - `entry`: keys of an entry of a plan file, such as throttle=0.6 (share of full), angle_deg=[20, 30]
       (degrees, positive: first to starboard).
 
     Each figure of a result has a unit, a value and a 95 % interval. UserError if a key is wrong or the boat
@@ -102,12 +102,12 @@ def identify(
     """Identify parameters of a boat from recorded runs by the regressions of the papers
     (docs/identification.md).
 
-    * `runs`: a dataset or its folder.
-    * `model`: `yaw-model` (k_r, c_ru, c_rv, b_r), `elementary` (mass and quadratic drag in surge and yaw) or
+    - `runs`: a dataset or its folder.
+    - `model`: `yaw-model` (k_r, c_ru, c_rv, b_r), `elementary` (mass and quadratic drag in surge and yaw) or
       `thrust-deduction` (1 - t at each throttle of straight runs).
-    * `boat`: a boat, or its name or file, in place of the dataset's; needed for a folder without
+    - `boat`: a boat, or its name or file, in place of the dataset's; needed for a folder without
       dataset.yaml.
-    * `smooth`: span of a quadratic smoother [s]; 0: none.
+    - `smooth`: span of a quadratic smoother [s]; 0: none.
 
     The 95 % intervals contain the scatter of the method, not its bias. UserError if nothing can be
     identified.

@@ -32,12 +32,12 @@ def evaluate_folders(
 ) -> Path:
     """Evaluate pilots in the same episodes; write and return a folder of results.
 
-    * `sources`: the folder of a trained experiment, whose pilots are evaluated; or several such folders,
+    - `sources`: the folder of a trained experiment, whose pilots are evaluated; or several such folders,
       folders of stored pilots and other pilots (see `asked_pilot`), which are evaluated together.
-    * `changes`: keys of `evaluation`, such as `episodes`, `levels` and `seed`.
-    * `overrides`: dotted keys as `key=value`.
-    * `out`: the folder to write; by default the only source folder itself, or results/evaluation.
-    * `experiment`: gives boat, course, data and evaluation; by default that of the first folder with an
+    - `changes`: keys of `evaluation`, such as `episodes`, `levels` and `seed`.
+    - `overrides`: dotted keys as `key=value`.
+    - `out`: the folder to write; by default the only source folder itself, or results/evaluation.
+    - `experiment`: gives boat, course, data and evaluation; by default that of the first folder with an
       experiment, or `camogli`, with a note, if no folder is named.
 
     UserError if a folder holds no pilot, if no experiment is given and no named folder has one, or if

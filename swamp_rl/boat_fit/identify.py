@@ -74,11 +74,11 @@ def identify_boat(
 ) -> Identification:
     """Fit the numbers of a boat file to runs; write the boat file `out` and a report beside it (.html).
 
-    * `dataset`, `holdout`: datasets or their folders. Errors are measured on `holdout`; without it, on every
+    - `dataset`, `holdout`: datasets or their folders. Errors are measured on `holdout`; without it, on every
       third run.
-    * `boat`: name or file of the boat to start from.
-    * `positions`: also fit the positions of the thrusters.
-    * `ignore`: measured quantities that are not used (`wind`, `depth`).
+    - `boat`: name or file of the boat to start from.
+    - `positions`: also fit the positions of the thrusters.
+    - `ignore`: measured quantities that are not used (`wind`, `depth`).
 
     UserError if the data do not allow a fit, or if `out` exists.
     """

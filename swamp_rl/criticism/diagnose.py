@@ -89,14 +89,14 @@ def diagnose(
     Written are diagnosis.json, extended_boat.yaml, report.html and, if weather was identified,
     conditions.yaml.
 
-    * `dataset`, `holdout`: datasets or their folders. The gain is measured on `holdout`; without it, on each
+    - `dataset`, `holdout`: datasets or their folders. The gain is measured on `holdout`; without it, on each
       run in turn (leave-one-run-out).
-    * `boat`: name or file; None for that of the (first) dataset.
-    * `ignore`: measured quantities that are not used (`wind`, `depth`).
-    * `twins`, `method`, `each`: settings of the self-trial; none with 0 twins.
-    * `limits`: limits of the next trial. If given, it is designed and written as next_trial.csv, provided
+    - `boat`: name or file; None for that of the (first) dataset.
+    - `ignore`: measured quantities that are not used (`wind`, `depth`).
+    - `twins`, `method`, `each`: settings of the self-trial; none with 0 twins.
+    - `limits`: limits of the next trial. If given, it is designed and written as next_trial.csv, provided
       that there are explanations to separate or an interval to narrow.
-    * `notes`: texts of additional files in the folder, by file name.
+    - `notes`: texts of additional files in the folder, by file name.
 
     UserError if the data do not allow a diagnosis.
     """
