@@ -179,7 +179,7 @@ def predictor(
         found = np.empty((len(stretch), 6))
         for k in np.unique(stretch):
             mine = stretch == k
-            found[mine] = start.predict(hypothesis, gains[run][k])[mine, -1]
+            found[mine] = start.part(mine).predict(hypothesis, gains[run][k])[:, -1]
         return found
 
     return ends

@@ -11,13 +11,14 @@ from swamp_rl.boat_fit.fit import soft_weights
 from swamp_rl.boat_fit.recent_thrust import (
     STRETCH,
     chosen_gains,
+    predictor,
     recent_errors,
     recent_gains,
     thruster_gains,
 )
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import Gap, RunSet, read_run_set
-from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
+from swamp_rl.criticism.likelihood.prediction_error import restarts, trivial_predictors
 from tests.support.from_scratch import written
 from tests.support.sailing import sailed_dataset
 
@@ -68,6 +69,20 @@ def test_gains_come_from_after_the_last_gap(tmp_path: Path) -> None:
     assert gains[2].tolist() == [1.0, 1.0] != gains[4].tolist()
     np.testing.assert_array_equal(gains_of(replace(torn, measured=other), weight)[2:], gains[2:])
     assert not np.array_equal(gains_of(replace(runs, measured=other), weight)[4], gains[4])
+
+
+def test_each_prediction_is_simulated_once_with_the_gains_of_its_stretch(tmp_path: Path) -> None:
+    runs = weedy(tmp_path, 25.0)
+    start = restarts(runs, weights(runs, noise_levels(runs)), 0, 1.0)
+    assert start is not None
+    stretch, hypothesis = start.first // round(STRETCH / runs.dt), thruster_gains(runs.boat, "common")
+    gains, before = np.linspace(0.8, 1.2, stretch[-1] + 1)[:, None], start.problem.boat_steps[0]
+    ends = predictor(runs, [gains], hypothesis)(0, start)
+    problem = start.problem
+    assert problem.boat_steps[0] - before == problem.windows.steps.sum() * problem.substeps
+    for k, own in enumerate(gains):
+        every = start.predict(hypothesis, own)
+        np.testing.assert_array_equal(ends[stretch == k], every[stretch == k, -1])
 
 
 @pytest.mark.parametrize(("kind", "count"), [("twin", 2), ("esso_osaka", 1)])

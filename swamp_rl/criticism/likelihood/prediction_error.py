@@ -109,6 +109,10 @@ class Restarts:
         states = true_motion(self.states, records, time, of_earth)
         return self.problem.track(hypothesis, x, states)
 
+    def part(self, chosen: NDArray[np.bool_]) -> "Restarts":
+        """Some of them (n,)."""
+        return Restarts(self.problem.part(chosen), self.first[chosen], self.steps, self.states[chosen])
+
 
 def restarts(run_set: RunSet, weight: Array, run: int, horizon: float) -> Restarts | None:
     """Of one run, for predictions of `horizon` [s]; None for a run too short."""
