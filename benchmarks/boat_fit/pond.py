@@ -1,14 +1,15 @@
-"""Identify the Esso Osaka model ship from its pond tests: a table of docs/identify_boat.md.
+"""Identify the Esso Osaka model ship from its pond tests: two tables of docs/identify_boat.md.
 
     python -m benchmarks.boat_fit.pond ../shared/data/esso_osaka/random
 
-The measured data are not part of the project; their licence is CC BY-NC-SA. The file to start from has the
-ship's particulars; its hull, propeller and rudder coefficients are made 35 to 50 % wrong at random.
+The measured data are not part of the project; their licence is CC BY-NC-SA. One start file has the published
+coefficients of hull, propeller and rudder made 35 to 50 % wrong at random; the other is a template that `boat
+new` writes from the particulars. --start: one of them alone.
 """
 
-import sys
+import argparse
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.estimate import boat_file
 from swamp_rl.boat.mapping import boat_mapping
 from swamp_rl.boat_fit.identify import errors_on, identify_boat
 from swamp_rl.boat_fit.result import Identification
@@ -29,6 +31,10 @@ from swamp_rl.runs.schema import DatasetMeta
 SEED = 7
 WRONG = (0.6, 0.65, 1.4, 1.5)  # factors
 WAKE = 0.4  # w_P0 of a slender hull, in place of 0.614
+PARTICULARS = {"length": 3.0, "breadth": 0.489, "draught": 0.201, "mass": 244.6, "thrust": 3.53}
+"""[m, kg] of the table published with the data; bollard pull [N] 0.78 · 0.3278 ρ n² D⁴ of its t_P, K_T(0) and
+D = 0.084 m at the 16.67 revolutions a second of the fastest tests.
+"""
 HEAD = ["wind", "horizon, s", "start", "identified", "published"]
 SPOILED = {
     (): ("inertia_z", "added_mass_surge", "added_mass_sway", "added_inertia_yaw"),
@@ -57,6 +63,19 @@ def spoiled(boat: Boat) -> dict[str, Any]:
     return whole | {"name": "start"}
 
 
+def of_particulars(_: Boat) -> dict[str, Any]:
+    """The boat file that `boat new` writes from PARTICULARS."""
+    return boat_file("start", "propeller-rudder", **PARTICULARS)
+
+
+WINDS = {"measured": [], "ignored": ["wind"]}  # what is left out of the runs
+STARTS: dict[str, tuple[Callable[[Boat], dict[str, Any]], list[str]]] = {
+    "coefficients": (spoiled, ["measured", "ignored"]),
+    "particulars": (of_particulars, ["measured"]),
+}
+"""Name of the table's part of the page, after `pond`; start file and winds."""
+
+
 def pond_dataset(source: Path, folder: Path, boat: Boat) -> Path:
     """The random pond tests as a dataset."""
     runs = [import_free_running(path, boat) for path in sorted(source.glob("*.csv"))]
@@ -81,19 +100,30 @@ def rows(found: Identification, published: Boat, wind: str) -> list[list[str]]:
     ]
 
 
-def main(source: Path) -> None:
-    """Identify with and without the measured wind, and write the table."""
+def write_errors(start: str, dataset: Path, folder: Path, published: Boat) -> None:
+    """Identify from one of STARTS, and write its table."""
+    content, winds = STARTS[start]
+    path, found = folder / f"{start}.yaml", list[list[str]]()
+    write_yaml(path, content(published))
+    for wind in winds:
+        made = identify_boat(dataset, path, folder / f"{start}_{wind}.yaml", ignore=WINDS[wind])
+        found += rows(made, published, wind)
+        print(f"{start}, wind {wind}: {made.elapsed:.0f} s", flush=True)
+    write_parts(DOCS / "identify_boat.md", {f"pond {start}": table([*HEAD, *_words(TRIVIAL)], found)})
+
+
+def main() -> None:
+    """Identify from each start file, and write the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("source", type=Path)
+    parser.add_argument("--start", choices=STARTS, nargs="+", default=list(STARTS))
+    asked = parser.parse_args()
     published = load_boat("esso_osaka")
-    found: list[list[str]] = []
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place)
-        write_yaml(folder / "start.yaml", spoiled(published))
-        dataset = pond_dataset(source, folder / "pond", published)
-        for name, ignore in (("measured", []), ("ignored", ["wind"])):
-            made = identify_boat(dataset, folder / "start.yaml", folder / f"{name}.yaml", ignore=ignore)
-            found += rows(made, published, name)
-            print(f"{name}: {made.elapsed:.0f} s", flush=True)
-            write_parts(DOCS / "identify_boat.md", {"pond": table([*HEAD, *_words(TRIVIAL)], found)})
+        dataset = pond_dataset(asked.source, folder / "pond", published)
+        for start in asked.start:
+            write_errors(start, dataset, folder, published)
 
 
 def _words(names: Iterable[str]) -> list[str]:
@@ -101,4 +131,4 @@ def _words(names: Iterable[str]) -> list[str]:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()
