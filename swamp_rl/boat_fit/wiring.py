@@ -16,6 +16,7 @@ from swamp_rl.criticism.data.measurement_noise import weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.candidates import selectors
 from swamp_rl.criticism.progress import LOG
+from swamp_rl.criticism.threads import each
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry
 from swamp_rl.simulator import parameters
 
@@ -96,13 +97,13 @@ def search_wiring(run_set: RunSet, noise: Array, positions: bool = False) -> Wir
         found, others = best(late, changes)
         if found < CLEARLY * least:  # the motion of a boat under control has a period, and its half is a sign
             trial, taken = late, others
-    boat = rewired(run_set.boat, taken)
-    chi2, x = trial.fitted(boat, DELAYS[0], 0.0)
-    for delay in sorted({*DELAYS[1:], trial.delay} - {DELAYS[0]}):
-        found, other = trial.fitted(boat, delay, 0.0)
-        chi2, x = (found, other) if found < CLEARLY * chi2 else (chi2, x)
-    advance, earlier = 0.0, trial.advance or ADVANCE
-    found, other = trial.fitted(boat, ADVANCE, earlier)
+    boat, earlier = rewired(run_set.boat, taken), trial.advance or ADVANCE
+    delays = [DELAYS[0], *sorted({*DELAYS[1:], trial.delay} - {DELAYS[0]})]
+    times = [*((delay, 0.0) for delay in delays), (ADVANCE, earlier)]
+    (chi2, x), *later, (found, other) = each(lambda one: trial.fitted(boat, *one), times)
+    for chi2_later, x_later in later:
+        chi2, x = (chi2_later, x_later) if chi2_later < CLEARLY * chi2 else (chi2, x)
+    advance = 0.0
     delay = float(other[trial.delay_column(boat)]) if np.isfinite(found) else earlier
     if found < CLEARLY * chi2 and earlier - delay > LATE:
         advance = round(earlier - delay, 2)
@@ -212,13 +213,14 @@ def _best_of(trial: _Trial, every: list[list[Change]], least: float) -> tuple[fl
 
     Only the most likely ones by a shorter fit are fitted in full, and none that are far from `least` there.
     """
-    glance = [trial.fitted(rewired(trial.run_set.boat, some), steps=1)[0] for some in every]
-    likely = [every[i] for i in np.argsort(glance)[:LIKELY] if glance[i] < FAR * least]
+    boats = [rewired(trial.run_set.boat, some) for some in every]
+    glance = [chi2 for chi2, _ in each(lambda boat: trial.fitted(boat, steps=1), boats)]
+    likely = [i for i in np.argsort(glance)[:LIKELY] if glance[i] < FAR * least]
     if not likely:
         return None
-    chi2 = [trial.fitted(rewired(trial.run_set.boat, some))[0] for some in likely]
+    chi2 = [chi2 for chi2, _ in each(trial.fitted, [boats[i] for i in likely])]
     best = int(np.argmin(chi2))
-    return (chi2[best], likely[best]) if chi2[best] < CLEARLY * least else None
+    return (chi2[best], every[likely[best]]) if chi2[best] < CLEARLY * least else None
 
 
 def _one_by_one(trial: _Trial, changes: list[Change]) -> tuple[float, list[Change]]:
