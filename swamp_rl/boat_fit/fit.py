@@ -132,13 +132,13 @@ def sound_fit(
     Where one diverges, half the simulator's step is tried first: a fit passes through boats that damp faster,
     and states that are faster, than those of the runs, for which the longest stable step is shorter.
     """
-    kept = np.ones(len(states), dtype=bool)
+    kept, usual = np.ones(len(states), dtype=bool), substeps_of(problem.dt, problem.boat)
     while True:
-        made = fit(problem, hypothesis, x, states, steps, fresh)
+        at_usual = problem.substeps == usual
+        made = fit(problem, hypothesis, x, states, steps, fresh, while_finite=at_usual)
         information, gradient = made.normal.information, made.normal.gradient
         sound = np.asarray(np.isfinite(information).all(axis=(1, 2)) & np.isfinite(gradient).all(axis=1))
-        usual = substeps_of(problem.dt, problem.boat)
-        if not sound.all() and problem.substeps == usual:
+        if at_usual and not sound.all():
             problem = problem.integrated_in(2 * usual)
         elif sound.all() or not sound.any():
             return problem, made, kept

@@ -184,10 +184,17 @@ def test_where_a_boat_damps_too_fast_for_the_simulators_step_the_fit_takes_half_
     fast = 4.0 * inertia * problem.substeps / problem.dt  # Runge and Kutta are unstable from 2.8 on
     x[numbers.index(damping)] = fast
 
+    steps = problem.boat_steps
+    before = steps[0]
     half, made, kept = sound_fit(problem, hypothesis, x, begun.states, 3)
+    spent = steps[0] - before
 
     assert kept.all() and half.substeps == 2 * problem.substeps
     assert np.isfinite(made.covariance).all()
+
+    sound_fit(problem.integrated_in(half.substeps), hypothesis, x, begun.states, 3)
+    alone = steps[0] - before - spent
+    assert spent < 1.3 * alone  # the fit that diverges ends at its first Jacobian
 
 
 def test_a_fit_whose_covariance_is_infinite_keeps_its_noise(tmp_path: Path) -> None:

@@ -217,11 +217,13 @@ def fit(
     states: Array,
     steps: int | None = None,
     fresh: bool = False,
+    while_finite: bool = False,
 ) -> Fit:
     """The hypothesis fitted from x (p,) and states (W, 6) by Levenberg-Marquardt, with at most `steps`
     Jacobians.
 
     A Jacobian is kept while the gain ratio is high. fresh: the last Jacobian is taken at the solution.
+    while_finite: the fit ends at a Jacobian of a window that diverges, with which x takes no step.
     """
     steps = options().fit_steps if steps is None else steps
     x, states = np.array(x, dtype=float), np.array(states, dtype=float)
@@ -232,7 +234,7 @@ def fit(
     at = refitted or at
     slopes, start, used = jacobians_at(problem, hypothesis, at, None if refitted else by_state), 0, 1
     newest, first, refits = True, True, 0
-    while True:
+    while not (while_finite and newest and not np.isfinite(slopes.by_x).all()):
         moved, start, gain_ratio = _step(problem, hypothesis, at, slopes, start, first)
         first = False
         gain = at.chi2 - moved.chi2
