@@ -1,5 +1,6 @@
 """Folders of runs to be examined: our datasets, plain folders of tables, LeRobot's and Minari's."""
 
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.extras import missing
+from swamp_rl.files import os_error
 from swamp_rl.json_text import parsed_json, read_json
 from swamp_rl.names import YAML, file_in
 from swamp_rl.ordinary import ordinary
@@ -191,7 +193,10 @@ def _minari(folder: Path, paths: list[Path], boat: str | None) -> Records:
     runs: list[Run] = []
     vessel, measured = None, True
     for path in paths:
-        ordinary(_own(path), 2**33)
+        try:
+            ordinary(_own(path), 2**33)
+        except OSError as error:
+            raise os_error(error, path) from error
         episodes, metadata, copies = _minari_episodes(path)
         runs += [Run(name, columns) for name, columns in episodes]
         measured = measured and _measured(metadata)
@@ -254,8 +259,8 @@ def _minari_episodes(
             for name in sorted(file, key=lambda key: (len(key), key)):
                 group = _held(file, name)
                 if isinstance(group, h5py.Group):
-                    columns = _episode(group, most)
-                    most -= sum(map(len, columns.values()))
+                    columns, read = _episode(group, most)
+                    most -= read
                     found.append((name, columns))
         meta = path.with_name("metadata.json")
         described = _json(meta) if meta.is_file() else {}
@@ -269,21 +274,23 @@ def _minari_episodes(
     return found, about, copies
 
 
-def _episode(group: Any, most: int) -> dict[str, Array]:
-    """The columns of an episode; ValueError where they have more than `most` numbers."""
+def _episode(group: Any, most: int) -> tuple[dict[str, Array], int]:
+    """The columns of an episode, and how many numbers were read; ValueError for more than `most`."""
     import h5py
 
     infos = _held(group, "infos")
     if isinstance(infos, h5py.Group) and "time" in infos:
         held = {name: _held(infos, name) for name in infos}
         shape = held["time"].shape
-        return _numbers({n: one for n, one in held.items() if one.shape == shape and one.ndim == 1}, most)
+        found = _numbers({n: one for n, one in held.items() if one.shape == shape and one.ndim == 1}, most)
+        return found, sum(map(len, found.values()))
     parts = {name[:-1]: _held(group, name) for name in ("observations", "actions")}
     found = _numbers({name: one for name, one in parts.items() if isinstance(one, h5py.Dataset)}, most)
     rows = min(map(len, found.values()), default=0)
     flat = {name: values.reshape(len(values), -1)[:rows].T for name, values in found.items()}
     columns = {f"{name}[{i}]": part for name, values in flat.items() for i, part in enumerate(values)}
-    return columns | {"time": np.arange(rows, dtype=float)} if columns else {}
+    time = {"time": np.arange(rows, dtype=float)} if columns else {}
+    return columns | time, sum(values.size for values in found.values())
 
 
 def _held(group: Any, name: str) -> Any:
@@ -302,7 +309,13 @@ def _held(group: Any, name: str) -> Any:
 
 
 def _numbers(held: dict[str, Any], most: int) -> dict[str, Array]:
-    """The numbers of datasets, of which a small file may claim any number."""
+    """The numbers of datasets. A small file may claim any number of them, any width, and any chunk, which is
+    unpacked whole."""
+    for name, one in held.items():
+        if one.dtype.kind not in "biuf":
+            raise ValueError(f"{name!r} has no plain numbers")
+        if math.prod(one.chunks or ()) > MOST_CELLS:
+            raise ValueError(f"{name!r} is stored in chunks of more than {MOST_CELLS} numbers")
     if sum(one.size for one in held.values()) > most:
         raise ValueError(f"its episodes have more than {MOST_CELLS} numbers")
     return {name: np.asarray(one[()], float) for name, one in held.items()}

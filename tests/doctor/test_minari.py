@@ -17,6 +17,23 @@ def _claims_too_much(infos: Any, secret: Path) -> None:
     infos.create_dataset("time", shape=(2**33,), dtype="f8", chunks=(2**20,))
 
 
+def _claims_wide_elements(infos: Any, secret: Path) -> None:
+    infos.create_dataset("time", shape=(2**20,), dtype=("f8", (2**12,)), chunks=(1,))
+
+
+def _claims_a_large_chunk(infos: Any, secret: Path) -> None:
+    infos.create_dataset("time", shape=(8,), maxshape=(None,), dtype="f8", chunks=(2**27,), compression=1)
+
+
+def _repeats_what_it_keeps_nothing_of(infos: Any, secret: Path) -> None:
+    episode = infos.file["z"]
+    del episode["infos"]
+    episode.create_dataset("observations", shape=(2**20,), dtype="f4", chunks=(2**20,))
+    episode.create_dataset("actions", shape=(1,), dtype="f8")
+    for number in range(40):
+        infos.file[f"again_{number}"] = episode
+
+
 def _links(infos: Any, secret: Path) -> None:
     infos["time"] = infos.file["there"] = h5py.ExternalLink(str(secret), "/time")
 
@@ -40,6 +57,9 @@ def _shows_another(infos: Any, secret: Path) -> None:
     ("make", "message"),
     [
         (_claims_too_much, "its episodes have more than"),
+        (_claims_wide_elements, "'time' has no plain numbers"),
+        (_claims_a_large_chunk, "'time' is stored in chunks of more than"),
+        (_repeats_what_it_keeps_nothing_of, "its episodes have more than"),
         (_links, "'(time|there)' is a link"),
         (_links_within, "'(time|there)' is a link"),
         (_stores_elsewhere, "the values of 'time' are in another file"),
@@ -56,4 +76,12 @@ def test_a_minari_file_names_no_other_file_and_claims_no_more_than_is_read(
     with h5py.File(held, "w") as file:
         make(file.create_group("z/infos"), secret)
     with pytest.raises(UserError, match=f"not a complete Minari file .*{message}"):
+        read_records(tmp_path)
+
+
+def test_a_minari_file_beyond_the_limit_of_size_is_refused_by_its_name(tmp_path: Path) -> None:
+    held = tmp_path / "main_data.hdf5"
+    with held.open("wb") as file:
+        file.truncate(2**40)  # sparse
+    with pytest.raises(UserError, match=r"main_data\.hdf5: .*larger than 8 GiB"):
         read_records(tmp_path)
