@@ -2,7 +2,11 @@
 
 import functools
 import json
+import os
+import pickle
+import resource
 import shutil
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +17,8 @@ import numpy as np
 from benchmarks.attack.samples import dataset_with
 from swamp_rl.errors import UserError
 
+HANG = 5
+"""Seconds of processor time that a fork may take."""
 Make, Read = Callable[[Path], Path], Callable[[Path], Any]
 
 
@@ -30,15 +36,55 @@ def _exported(kind: Any, name: str) -> Make:
     return make
 
 
-def _doctored(levels: int) -> Read:
-    """The doctor on the folder so far above the file; HDF5 is read in this process: the file is another."""
+def _within(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
+    """In this process what `apart` does in another: the file under attack is not read there."""
+    return getattr(work, "__wrapped__", work)
+
+
+def _forked(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
+    """In a fork, which starts sooner, what `apart` does in a new process."""
+
+    def done(path: Path) -> Any:
+        reading, writing = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                resource.setrlimit(resource.RLIMIT_CPU, (HANG, HANG))
+                answer: tuple[Any, str | None]
+                try:
+                    answer = (_within(work)(path), None)
+                except UserError as error:
+                    answer = (None, str(error))
+                with os.fdopen(writing, "wb") as out:
+                    pickle.dump(answer, out)
+                os._exit(0)
+            finally:
+                os._exit(1)
+        os.close(writing)
+        with os.fdopen(reading, "rb") as answered:
+            data = answered.read()
+        _, status, used = os.wait4(child, 0)
+        code = os.waitstatus_to_exitcode(status)
+        assert code != -signal.SIGKILL, f"no end after {HANG} s of processor time"
+        assert used.ru_maxrss < 2**20, f"holds {used.ru_maxrss / 2**20:.1f} GB"
+        if code != 0:
+            raise UserError(f"the process ended with {code}")
+        value, refusal = pickle.loads(data)
+        if refusal is not None:
+            raise UserError(refusal)
+        return value
+
+    return done
+
+
+def _doctored(levels: int, episodes_by: Callable[[Any], Any] = _within) -> Read:
+    """The doctor on the folder so far above the file; episodes_by: how Minari's HDF5 is read."""
 
     def read(path: Path) -> Any:
         from swamp_rl.doctor import read as reader
         from swamp_rl.doctor.examine import examine
 
-        episodes: Any = reader._minari_episodes
-        with patch.object(reader, "_minari_episodes", getattr(episodes, "__wrapped__", episodes)):
+        with patch.object(reader, "_minari_episodes", episodes_by(reader._minari_episodes)):
             records = reader.read_records(path.parents[levels])
         return examine(records.runs, records.boat, records.measured)
 
@@ -162,6 +208,7 @@ FOLDER_FORMATS: dict[str, tuple[Make, Read]] = {
     "doctor, lerobot swamp_rl.json": (_exported("lerobot", "swamp_rl.json"), _doctored(1)),
     "doctor, lerobot frames.parquet": (_exported("lerobot", "data/**/file-000.parquet"), _doctored(2)),
     "doctor, minari metadata.json": (_exported("minari", "metadata.json"), _doctored(1)),
+    "doctor, minari main_data.hdf5": (_exported("minari", "main_data.hdf5"), _doctored(1, _forked)),
     "results, experiment.yaml": (_results("experiment.yaml"), _listed),
     "results.json": (_results("results.json"), _listed),
     "results, versions.json": (_results("versions.json"), _listed),
