@@ -10,7 +10,7 @@ from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection, with_special
-from swamp_rl.criticism.selection.continuation import Continuation
+from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 
 
 def with_sufficient_special_cases(
@@ -50,15 +50,18 @@ def _predicts_as_well(
     noise: Mapping[str, float],
     rng: np.random.Generator,
 ) -> bool:
-    """Whether no error of the predictions is larger under a fit than under the winner, at any horizon, but by
-    chance where their predictions differ by less than the sensor's noise.
+    """Whether no error of the predictions is larger under a fit than under the winner, at any horizon. If
+    middle windows prefer the fit, so that only the errors that whole runs accumulate favour the winner, an
+    error may be larger by chance where predictions differ by less than the sensor's noise.
     """
+    middle = [continuation.criterion(continuation.at(MIDDLE, one)) for one in (plain, found.winner)]
     shares = []
     for horizon in options().judged_horizons:
         before, _ = on.errors(continuation, found.stage, plain, horizon)
         after, block = on.errors(continuation, found.stage, found.winner, horizon)
         shares += shares_of(before, after, block, horizon, rng)
     return bool(shares) and all(
-        one.without <= one.with_cause or (one.ci95[0] <= 0.0 and moves_less_than_noise([one], noise))
+        one.without <= one.with_cause
+        or (middle[0] <= middle[1] and one.ci95[0] <= 0.0 and moves_less_than_noise([one], noise))
         for one in shares
     )
