@@ -150,28 +150,43 @@ def _frames(path: Path, features: dict[str, Any]) -> dict[str, Array]:
     """Numeric columns, and each part of a vector as a column of its own, under its name where it has one."""
     try:
         file = pq.ParquetFile(ordinary(_own(path)))
-        if file.metadata.num_rows * file.metadata.num_columns > MOST_CELLS:
-            raise UserError(f"{path}: declares {file.metadata.num_rows} rows; divide it")
-        data = file.read()
+        numbers = _declared_numbers(file.metadata)
+        if numbers > MOST_CELLS:
+            raise UserError(f"{path}: declares {numbers} numbers, at most {MOST_CELLS}; divide it")
+        names = dict.fromkeys(one.name for one in file.schema_arrow if _is_number(_element(one.type)))
+        data = file.read(columns=list(names))  # a few bytes of text may stand for any number of cells
         columns = list(zip(data.column_names, data.columns, strict=True))
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: cannot be read ({clipped(error, 200)}); copy it again") from error
     found: dict[str, Array] = {}
     for name, cells in columns:
-        if pa.types.is_integer(cells.type) or pa.types.is_floating(cells.type):
+        if _is_number(cells.type):
             found[name] = np.asarray(cells.to_numpy(), float)
-        elif pa.types.is_list(cells.type) or pa.types.is_fixed_size_list(cells.type):
-            kind = cells.type.value_type
-            if not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
-                continue
+        else:
             flat = np.asarray(cells.combine_chunks().flatten().to_numpy(zero_copy_only=False), float)
-            if data.num_rows and len(flat) % data.num_rows == 0 and len(flat) <= MOST_CELLS:
+            if data.num_rows and len(flat) % data.num_rows == 0:
                 parts = flat.reshape(data.num_rows, -1).T
                 names = _part_names(name, features.get(name), len(parts))
                 found |= {
                     part: values for part, values in zip(names, parts, strict=True) if part not in found
                 }
     return found
+
+
+def _declared_numbers(metadata: Any) -> int:
+    """Cells of a Parquet file and elements of its lists: a few bytes may hold any number."""
+    groups = [metadata.row_group(i) for i in range(metadata.num_row_groups)]
+    held = sum(group.column(i).num_values for group in groups for i in range(group.num_columns))
+    return max(held, metadata.num_rows * metadata.num_columns)
+
+
+def _element(kind: Any) -> Any:
+    """The type of a list's elements, or that of a single cell."""
+    return kind.value_type if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) else kind
+
+
+def _is_number(kind: Any) -> bool:
+    return pa.types.is_integer(kind) or pa.types.is_floating(kind)
 
 
 def _part_names(name: str, feature: Any, count: int) -> list[str]:
