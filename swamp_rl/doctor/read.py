@@ -153,8 +153,8 @@ def _frames(path: Path, features: dict[str, Any]) -> dict[str, Array]:
         numbers = _declared_numbers(file.metadata)
         if numbers > MOST_CELLS:
             raise UserError(f"{path}: declares {numbers} numbers, at most {MOST_CELLS}; divide it")
-        names = dict.fromkeys(one.name for one in file.schema_arrow if _is_number(_element(one.type)))
-        data = file.read(columns=list(names))  # a few bytes of text may stand for any number of cells
+        numeric = dict.fromkeys(one.name for one in file.schema_arrow if _is_number(_element(one.type)))
+        data = file.read(columns=list(numeric))  # a few bytes of text may stand for any number of cells
         columns = list(zip(data.column_names, data.columns, strict=True))
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: cannot be read ({clipped(error, 200)}); copy it again") from error
