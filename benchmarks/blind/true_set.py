@@ -19,7 +19,7 @@ from swamp_rl.criticism.data.run_set import CHANNELS, read_run_set
 from swamp_rl.criticism.model.candidates import EffectInstance, joined
 from swamp_rl.criticism.selection.backward_elimination import fit_by_continuation
 from swamp_rl.criticism.selection.continuation import LAST, Continuation, continuation_of
-from swamp_rl.criticism.selection.model_selection import prepared
+from swamp_rl.criticism.selection.preparation import prepared
 from swamp_rl.one_thread import one_thread
 
 Judged = Mapping[str, Any]

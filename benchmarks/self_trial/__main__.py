@@ -27,7 +27,8 @@ from benchmarks.markers import write_parts
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.inference.self_trial import NOTHING, UNEXPLAINED, causes_in, twin_answers
-from swamp_rl.criticism.selection.model_selection import prepared, select_model
+from swamp_rl.criticism.selection.model_selection import select_model
+from swamp_rl.criticism.selection.preparation import prepared
 from swamp_rl.one_thread import one_thread
 
 TRIED = ("single", "pair", "triple", "clean", "confounded")  # kinds whose truth is in the library

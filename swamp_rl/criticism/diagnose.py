@@ -59,7 +59,8 @@ from swamp_rl.criticism.result import (
 )
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
-from swamp_rl.criticism.selection.model_selection import prepared, select_model
+from swamp_rl.criticism.selection.model_selection import select_model
+from swamp_rl.criticism.selection.preparation import prepared
 from swamp_rl.errors import UserError
 from swamp_rl.one_thread import one_thread
 from swamp_rl.runs.dataset import Dataset, as_on_disk, own_boat

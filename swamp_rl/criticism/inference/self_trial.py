@@ -22,7 +22,8 @@ from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import SelfTrial, SmoothedNoise
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation, states_carried
-from swamp_rl.criticism.selection.model_selection import prepared, select_model
+from swamp_rl.criticism.selection.model_selection import select_model
+from swamp_rl.criticism.selection.preparation import prepared
 from swamp_rl.effects import LIBRARY
 from swamp_rl.one_thread import one_thread
 

@@ -1,31 +1,21 @@
 """Model selection under white noise, then under Gauss-Markov position noise, then under model error."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import POSITIONS, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy, near
-from swamp_rl.criticism.likelihood.discretisation import discretisation_errors
 from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.model.candidates import (
-    EffectInstance,
-    Hypothesis,
-    candidates,
-    hull_nuisance,
-    nuisances,
-)
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.nuisance.process_noise import measurement_noise_gain, process_noise_gain
-from swamp_rl.criticism.nuisance.smoothed_channels import raised, smoothed_channels
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.result import SmoothedNoise
 from swamp_rl.criticism.selection.backward_elimination import (
     Nuisance,
     Selection,
@@ -363,40 +353,3 @@ def _only_positions(noise: Array) -> Array:
 def _gauss_markov_noise(problem: Shooting, at: Fit) -> Array:
     base = problem.track(at.hypothesis, at.x, at.states)
     return fit_gauss_markov(problem.windows, problem.difference(base) * problem.windows.weight, problem.dt)
-
-
-@dataclass(frozen=True)
-class Preparation:
-    """smoothed: channels that a filter smoothed; sigmas: (6,) standard deviations that channels are weighted
-    by, NaN where nothing was measured; weight: (R, T, 6); instances: the candidates, and what is a nuisance
-    beside one of them alone; hull: the hull's derivatives, a nuisance.
-    """
-
-    smoothed: dict[str, SmoothedNoise]
-    sigmas: Array
-    weight: Array
-    instances: list[EffectInstance]
-    hull: EffectInstance | None
-
-
-def prepared(run_set: RunSet) -> Preparation:
-    """Of the runs as measured."""
-    smoothed = smoothed_channels(run_set)
-    sigmas = raised(noise_levels(run_set), smoothed)
-    sigmas = np.hypot(sigmas, discretisation_errors(run_set, weights(run_set, sigmas)))
-    duration = float(run_set.lengths.max() * run_set.dt)
-    every = candidates(run_set.boat, duration, run_set.groups)
-    beside = [one for one in nuisances(run_set.boat) if one.effect.beside]
-    return Preparation(
-        smoothed,
-        sigmas,
-        weights(run_set, sigmas),
-        [*(one for one in every if not _is_measured(one, run_set)), *beside],
-        hull_nuisance(run_set.boat),
-    )
-
-
-def _is_measured(instance: EffectInstance, run_set: RunSet) -> bool:
-    """Whether an effect moves only what the runs measure."""
-    fields = {parameter.field for parameter in instance.effect.parameters}
-    return bool(fields) and fields <= run_set.measured_fields
