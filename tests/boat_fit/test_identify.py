@@ -247,7 +247,7 @@ def test_bad_input_is_refused_with_one_line_and_nothing_written(call: Call, tmp_
     asked = ("identify", "boat", "runs", "--boat", "twin.yaml")
     for more, result in (
         (("--out", "twin.yaml"), "already exists"),
-        (("--out", "new.txt"), "let --out end in .yaml"),
+        (("--out", "new.txt"), "--out must end in .yaml"),
         (("--out", "new.yaml"), "too short"),
         (("--out", "new.yaml", "--holdout", "runs"), "nothing would be held out"),
     ):
