@@ -31,6 +31,7 @@ from swamp_rl.experiments.synthetic.drivers import Driver
 
 from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, PropellerRudder, load_boat
+from swamp_rl.criticism.data.run_set import CHANNELS
 from swamp_rl.simulator.sensors import observe
 
 VARIANT = "X"
@@ -39,7 +40,7 @@ TICK = 0.05  # s, of commands and of the truth
 MOST = 3000  # rows of all runs, but for two that there always are
 LEAST_ACTING = 0.1  # share of the time of all runs in which a force outside the library acts
 LEAST_SHOWN = 0.01  # standard deviations of the white noise by which an effect moves a recorded channel
-ALWAYS, VELOCITIES = ("north", "east", "heading"), ("surge", "sway", "yaw_rate")
+POSE = 3  # channels that every case records: north, east, heading
 
 # What may be wrong with the model ship; forces against its own, which weigh four times SWAMP's
 SHIP: dict[str, Callable[[Rng, float], dict[str, Any]]] = {
@@ -120,7 +121,8 @@ def write_variant(rng: Rng, data: Path, truth: Path) -> None:
         driver = driver if instruments.between else held(driver, 1.0 / instruments.rate)
         voyage = sail(boat, case, driver, start, round(length / TICK), tick=TICK)
         acting += length * acting_share(case, boat, voyage)
-        shown |= effects_shown(case, boat, voyage, instruments)
+        if not shown.all():
+            shown |= effects_shown(case, boat, voyage, instruments)
         tables.append(rows_of(boat, voyage, instruments, rng))
     if not shown.all() or (case.outside and acting < LEAST_ACTING * lengths.sum()):
         write_variant(rng, data, truth)
@@ -134,24 +136,25 @@ def write_variant(rng: Rng, data: Path, truth: Path) -> None:
 
 def effects_shown(case: Case, boat: Boat, voyage: Voyage, instruments: Instruments) -> NDArray[np.bool_]:
     """(E,) whether a recorded channel would differ by `LEAST_SHOWN` without each effect of a case."""
-    names = (*ALWAYS, *VELOCITIES)
-    recorded = [i for i, name in enumerate(names) if name in (*ALWAYS, *instruments.channels)]
-    white = instruments.white[recorded]
+    recorded = [i for i, name in enumerate(CHANNELS) if i < POSE or name in instruments.channels]
+    least = LEAST_SHOWN * instruments.white[recorded]
 
     def again(time: float, state: Array) -> Array:
         return voyage.commands[min(round(time / TICK), len(voyage.commands) - 1)]
-
-    def measured(one: Voyage) -> Array:
-        return observe(one.track[None], one.record, TICK)[0, : len(voyage.commands), recorded].T
 
     found = np.zeros(len(case.effects), dtype=bool)
     for i, effect in enumerate(case.effects):
         less = replace(case, effects=[one for one in case.effects if one is not effect])
         steps = len(voyage.commands) - 1
         without = sail(boat, less, again, voyage.track[0, :3], steps, tick=TICK)
-        moved = measured(voyage) - measured(without)
-        found[i] = (np.abs(moved) > LEAST_SHOWN * white).any()
+        moved = (measured_at(voyage) - measured_at(without))[:, recorded]
+        found[i] = (np.abs(moved) > least).any()
     return found
+
+
+def measured_at(voyage: Voyage, every: int = 1) -> Array:
+    """(T, 6) CHANNELS of every so many commands' rows, as instruments without errors measure them."""
+    return observe(voyage.track[None], voyage.record, TICK)[0, : len(voyage.commands) : every]
 
 
 def is_ship(boat: Boat) -> bool:
@@ -266,7 +269,7 @@ def station_keeping(rng: Rng) -> Actions:
 def rows_of(boat: Boat, voyage: Voyage, instruments: Instruments, rng: Rng) -> dict[str, Array]:
     """The columns of a run as its instruments measure them."""
     every = round(1.0 / (instruments.rate * TICK))
-    measured = observe(voyage.track[None], voyage.record, TICK)[0, : len(voyage.commands) : every]
+    measured = measured_at(voyage, every)
     rows = len(measured)
     measured += instruments.white * rng.standard_normal(measured.shape)
     measured[:, :2] += position_noise(rng, rows, instruments)
@@ -279,9 +282,9 @@ def rows_of(boat: Boat, voyage: Voyage, instruments: Instruments, rng: Rng) -> d
     kept[[0, -1]] = True
     columns = {"time": TICK * every * np.arange(rows), "north": measured[:, 0], "east": measured[:, 1]}
     columns["heading"] = wrapped(measured[:, 2])
-    for index, name in enumerate(VELOCITIES):
+    for index, name in enumerate(CHANNELS[POSE:], POSE):
         if name in instruments.channels:
-            columns[name] = measured[:, 3 + index]
+            columns[name] = measured[:, index]
     columns |= commands_of(boat, voyage.commands[::every])
     return {name: values[kept] for name, values in columns.items()}
 

@@ -54,14 +54,15 @@ def _predicts_as_well(
     middle windows prefer the fit, so that only the errors that whole runs accumulate favour the winner, an
     error may be larger by chance where predictions differ by less than the sensor's noise.
     """
-    middle = [continuation.criterion(continuation.at(MIDDLE, one)) for one in (plain, found.winner)]
     shares = []
     for horizon in options().judged_horizons:
         before, _ = on.errors(continuation, found.stage, plain, horizon)
         after, block = on.errors(continuation, found.stage, found.winner, horizon)
         shares += shares_of(before, after, block, horizon, rng)
-    return bool(shares) and all(
-        one.without <= one.with_cause
-        or (middle[0] <= middle[1] and one.ci95[0] <= 0.0 and moves_less_than_noise([one], noise))
-        for one in shares
-    )
+    larger = [one for one in shares if not one.without <= one.with_cause]
+    if not larger:
+        return bool(shares)
+    if any(one.ci95[0] > 0.0 for one in larger) or not moves_less_than_noise(larger, noise):
+        return False
+    middle = [continuation.criterion(continuation.at(MIDDLE, one)) for one in (plain, found.winner)]
+    return middle[0] <= middle[1]

@@ -260,10 +260,10 @@ def slowest_noise(continuation: Continuation, winner: Fit) -> Array:
     it, as of a boat that is unstable on course.
     """
     whole = continuation.at(LAST, winner)
-    noise, aware, at = _beside_own_noise(continuation.problem(LAST, whole.hypothesis), whole)
+    noise, aware, at = _fit_with_noise(continuation.problem(LAST, whole.hypothesis), whole)
     if not near(aware, at):
         middle = continuation.at(MIDDLE, winner)
-        noise, _, _ = _beside_own_noise(continuation.problem(MIDDLE, middle.hypothesis), middle)
+        noise, _, _ = _fit_with_noise(continuation.problem(MIDDLE, middle.hypothesis), middle)
     return _only_positions(noise)
 
 
@@ -327,13 +327,13 @@ def _position_noise_beside(problem: Shooting, at: Fit) -> tuple[Array, float]:
     """Gauss-Markov noise (6, 2) beside a fit, and the gain in 2 log likelihood by that of the positions; none
     where other channels have noise or process noise is the more likely.
     """
-    noise, aware, made = _beside_own_noise(problem, at)
+    noise, aware, made = _fit_with_noise(problem, at)
     gain = measurement_noise_gain(at, aware, made)
     alone = _of_positions_alone(noise) and gain > process_noise_gain(problem, at)
     return noise, gain if alone else 0.0
 
 
-def _beside_own_noise(problem: Shooting, white: Fit) -> tuple[Array, Shooting, Fit]:
+def _fit_with_noise(problem: Shooting, white: Fit) -> tuple[Array, Shooting, Fit]:
     """(6, 2) Gauss-Markov noise beside a fit that includes its position part, the windows with that part and
     the fit to them.
     """
