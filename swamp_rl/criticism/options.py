@@ -93,10 +93,8 @@ class Options:
     wander_times: tuple[float, ...] = (1.0, 3.0, 10.0, 30.0, 100.0)  # s, time constants tried
     # standard deviations tried, in those of the white noise
     wander_sizes: tuple[float, ...] = tuple(0.15 * 2.0**k for k in range(12))
-    wander_finer: tuple[tuple[float, float], ...] = (
-        (1.41, 1.8),
-        (1.19, 1.34),
-    )  # factors of finer grids: of sizes, of times
+    # factors between points of the finer grids: of sizes, of times
+    wander_finer: tuple[tuple[float, float], ...] = ((1.41, 1.8), (1.19, 1.34))
     wander_gain: float = 25.0  # of 2 log likelihood: 5 standard errors
     # ---- Initial states
     smoothing_span: float = 1.0  # s to either side that an initial state is smoothed over
