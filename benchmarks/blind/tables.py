@@ -20,34 +20,46 @@ from benchmarks.blind.figures import (
 )
 from benchmarks.blind.rough import rough_table
 from benchmarks.blind.score import WITHIN, Judged, summary
+from benchmarks.blind.variants import VARIANT
 from benchmarks.blind.weather import weather_table
 
-OTHER = "X"
-TARGETS: dict[str, tuple[float | None, ...]] = {  # target rates, at levels A to D
-    "single_named_alone": (0.98, 0.85, 0.92, 0.85),
-    "single_in_a_small_set": (0.99, 0.95, 0.97, 0.95),
-    "pair_named_alone": (0.90, None, None, None),
-    "clean_false_positive": (0.02, 0.02, 0.02, None),
-    "outside_unexplained": (0.95, 0.95, 0.95, 0.95),
-    "outside_variable_named": (0.70, 0.70, 0.70, 0.70),
-    "interval_coverage": (0.90, 0.90, 0.90, 0.90),
-    "error_over_bound_median": (WITHIN,) * 4,
+TARGETS: dict[str, tuple[float | None, ...]] = {  # target rates, at levels A to D and X
+    "single_named_alone": (0.98, 0.85, 0.92, 0.85, 0.90),
+    "single_in_a_small_set": (0.99, 0.95, 0.97, 0.95, None),
+    "pair_named_alone": (0.90, None, None, None, None),
+    "clean_false_positive": (0.02, 0.02, 0.02, None, 0.05),
+    "outside_unexplained": (0.95, 0.95, 0.95, 0.95, None),
+    "outside_variable_named": (0.70, 0.70, 0.70, 0.70, None),
+    "interval_coverage": (0.90, 0.90, 0.90, 0.90, None),
+    "error_over_bound_median": (*(WITHIN,) * 4, None),
 }
+JUDGED = (*LEVELS, VARIANT)
 COVER_AT_MOST = 0.98
-OWN = {EACH_RUN: ("blind weather", weather_table), ROUGH: ("blind rough", rough_table)}
-"""Levels whose tables stand apart, by marker."""
+
+
+def other_boats_table(results: Sequence[Judged]) -> str:
+    """Rates and wrong answers of level X, whose cases are drawn apart from those of A to D."""
+    return f"{scores_table({VARIANT: summary(results)})}\n\nWrong answers:\n\n{wrong_answers(results)}"
+
+
+OWN = {
+    EACH_RUN: ("blind weather", weather_table),
+    ROUGH: ("blind rough", rough_table),
+    VARIANT: ("blind other boats", other_boats_table),
+}
+"""Levels that have tables of their own, by marker."""
 
 
 def parts(results: Sequence[Judged]) -> dict[str, str]:
-    """The tables of docs/criticism.md by their markers; levels E and R have their own; only levels that were
-    run have a column.
+    """The tables of docs/criticism.md by their markers; levels E, R and X have their own; only levels that
+    were run have a column.
     """
     of = {level: [r for r in results if r["level"] == level] for level in OWN}
     own = {name: write(of[level]) for level, (name, write) in OWN.items() if of[level]}
     results = [r for r in results if r["level"] not in OWN]
     if not results:
         return own
-    by_level = {level: [r for r in results if r["level"] == level] for level in (*LEVELS, TRIPLE, OTHER)}
+    by_level = {level: [r for r in results if r["level"] == level] for level in (*LEVELS, TRIPLE)}
     scores = {level: summary(mine) for level, mine in by_level.items() if mine}
     return own | {
         "blind scores": scores_table(scores),
@@ -58,7 +70,7 @@ def parts(results: Sequence[Judged]) -> dict[str, str]:
 
 
 def pictures(results: Sequence[Judged], folder: Path) -> None:
-    """Draw both figures into a folder, of all levels but E and R."""
+    """Draw both figures into a folder, of all levels without a table of their own."""
     results = [r for r in results if r["level"] not in OWN]
     if not results:
         return
@@ -77,7 +89,7 @@ def judgement(row: str, level: str, value: Any) -> str:
     """`reached`, `short` where the interval contains the target, `missed` where it does not; empty without a
     target.
     """
-    bar = TARGETS[row][LEVELS.index(level)] if row in TARGETS and level in LEVELS else None
+    bar = TARGETS[row][JUDGED.index(level)] if row in TARGETS and level in JUDGED else None
     if bar is None or value is None:
         return ""
     if not isinstance(value, dict):
