@@ -167,3 +167,17 @@ def test_no_exchange_of_thrusters_is_hidden_whose_commands_are_equal(tmp_path: P
         e["thruster"] for e in json.loads(truth.read_text())["effects"] if LIBRARY[e["effect"]].swaps
     ]
     assert not any(set(pair) in ({"bs", "bp"}, {"ss", "sp"}) for pair in exchanged)
+
+
+def test_no_dead_zone_is_hidden_that_its_throttle_never_leaves(tmp_path: Path) -> None:
+    """Number 29014 draws such a dead zone first, which is a thruster without thrust."""
+    data, truth = written(29014, "X", tmp_path)
+    outside = json.loads(truth.read_text())["outside"]
+    if outside and outside["what"] == "dead_zone":
+        throttle = np.concatenate(
+            [
+                np.genfromtxt(run, delimiter=",", names=True)[f"throttle_{outside['thruster']}"]
+                for run in sorted(data.glob("run_*.csv"))
+            ]
+        )
+        assert (throttle > outside["below"]).mean() > 0.05

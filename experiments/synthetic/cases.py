@@ -193,7 +193,7 @@ def hook_of(outside: Mapping[str, Any] | None, boat: Boat) -> Hook:
 
         return drag
 
-    column = len(boat.thrusters) + boat.thruster_names.index(outside["thruster"])
+    column = _throttle_column(outside, boat)
 
     def stall(params: NDArray[Any], state: Array, command: Array) -> None:
         if command[column] < outside["below"]:
@@ -240,13 +240,23 @@ def sail(
 
 
 def acting_share(case: Case, boat: Boat, voyage: Voyage) -> float:
-    """Share of a run's rows in which what no library effect is does anything."""
+    """Share of a run's rows in which what no library effect is does anything. Of a dead zone, the share in
+    which its thruster runs where that is less: one that never runs has failed, which the library has.
+    """
     hook, acts, plain = hook_of(case.outside, boat), 0, voyage.record.tobytes()
+    stalled, runs = (case.outside or {}).get("what") == "dead_zone", 0
     for state, command in zip(voyage.track, voyage.commands, strict=False):
         params, arrived = voyage.record.copy(), command.copy()
         hook(params, state, arrived)
         acts += params.tobytes() != plain or bool((arrived != command).any())
-    return acts / len(voyage.commands)
+        runs += not stalled or arrived[_throttle_column(case.outside, boat)] != 0.0
+    return min(acts, runs) / len(voyage.commands)
+
+
+def _throttle_column(dead_zone: Mapping[str, Any] | None, boat: Boat) -> int:
+    """The column of the commands that a dead zone acts on."""
+    assert dead_zone
+    return len(boat.thrusters) + boat.thruster_names.index(dead_zone["thruster"])
 
 
 def true_record(boat: Boat, case: Case) -> NDArray[Any]:
