@@ -88,7 +88,7 @@ declare(
         "clock_drift",
         low=-MOST_DRIFT,
         high=MOST_DRIFT,
-        search=Search(0.179, -2.235, 2.235, (0.0,), "time_per_run", step=0.0179),
+        search=Search(0.179, -5.0, 5.0, (0.0,), "time_per_run", step=0.0179),
     ),
     acts_on="sensor",
     combine="add",
