@@ -18,11 +18,12 @@ from swamp_rl.criticism.model.candidates import (
 )
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection.backward_elimination import confirmed_on, fit_by_continuation
-from swamp_rl.criticism.selection.continuation import LAST, Continuation, continuation_of
+from swamp_rl.criticism.selection.beam_search import beam_search
+from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation, continuation_of
 from swamp_rl.criticism.selection.score_test import at_neutral_values, score_tests
 from swamp_rl.criticism.selection.small_effects import is_small, with_slow_effects, with_small_effects
 from swamp_rl.simulator import parameters
-from tests.support.criticism import SECONDS, select_effects, simulated_runs
+from tests.support.criticism import SECONDS, gauss_markov_noise, select_effects, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
@@ -61,6 +62,39 @@ def test_a_cause_is_added_that_windows_of_twenty_seconds_show() -> None:
     found = with_slow_effects(continuation, nothing, every)
     assert found.hypothesis.label == "mass" and found.x[0] == pytest.approx(64.0, abs=0.5)
     assert with_slow_effects(continuation, found, every).hypothesis == found.hypothesis
+
+
+def in_shallow_water(depth_over_draught: float, position: float, heading: float, seed: int) -> Continuation:
+    """Runs of positions with slow noise of 0.5 m and white noise of `position` [m], and headings [rad]."""
+    made = simulated_runs([{"effect": "shallow_water", "depth_over_draught": depth_over_draught}], seed)
+    rng = np.random.default_rng(seed)
+    measured, shape = made.measured.copy(), made.measured.shape[:2]
+    measured[..., :2] += position * rng.standard_normal((*shape, 2))
+    measured[..., :2] += gauss_markov_noise(rng, (*shape, 2), 0.5, 60.0)
+    measured[..., 2] += heading * rng.standard_normal(shape)
+    measured[..., 3:] = np.nan
+    slow = np.where(np.arange(6)[:, None] < 2, [0.5, 60.0], 0.0)
+    return continued(replace(made, measured=measured, gauss_markov=slow))
+
+
+def test_effects_are_compared_on_windows_that_show_more_than_noise() -> None:
+    continuation = in_shallow_water(3.5, 0.3, 0.04, seed=2)
+    every = [one for one in candidates(continuation.run_set.boat, SECONDS) if not one.groups]
+    short, nothing = continuation.problems[0], continuation.boat_file(0)
+    assert continuation.is_adequate(0, nothing)
+    assert score_tests(short, nothing, every)[0].instance.label != "shallow_water"
+    found = beam_search(continuation, every, None)
+    assert found.first[0].instance.label == found.winner.hypothesis.label == "shallow_water"
+
+
+def test_an_effect_without_a_derivative_at_its_neutral_value_is_found_on_whole_runs() -> None:
+    continuation = in_shallow_water(3.0, 0.3, 0.06, seed=0)
+    assert continuation.is_adequate(MIDDLE, continuation.boat_file(MIDDLE))
+    names = ("shallow_water", "mass", "resistance", "yaw_inertia", "thrust_scale", "yaw_damping")
+    every = [one for one in candidates(continuation.run_set.boat, SECONDS) if one.label in names]
+    found = beam_search(continuation, every, None)
+    assert found.winner.hypothesis.label == "shallow_water"
+    assert found.winner.x[0] == pytest.approx(3.0, abs=0.1)
 
 
 @pytest.mark.parametrize("effect", SMALL, ids=lambda one: one["effect"])

@@ -23,7 +23,7 @@ from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import Selection
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.information_criterion import InformationCriterion
-from swamp_rl.criticism.selection.score_test import at_neutral_values, neutral_start, score_tests
+from swamp_rl.criticism.selection.score_test import neutral_start, score_tests_from_neutral
 from swamp_rl.criticism.selection.small_effects import is_small
 
 Array = NDArray[np.float64]
@@ -149,8 +149,8 @@ def _replacements(
     instances: Sequence[EffectInstance],
 ) -> dict[str, Fit]:
     """Fits of `simpler` with one effect more, those within reach of the criterion `best` by score tests."""
-    begun = [at_neutral_values(one, problem.boat) for one in instances if _is_gradual(one)]
-    scores = sorted(score_tests(problem, simpler, begun), key=criterion.expected)
+    gradual = [one for one in instances if _is_gradual(one)]
+    scores = sorted(score_tests_from_neutral(problem, simpler, gradual), key=criterion.expected)
     return {
         one.hypothesis.label: _fitted(problem, one.hypothesis, one.x, one.states)
         for one in scores[: options().twin_fits]

@@ -28,9 +28,10 @@ class Selection:
 
     winner: the fit at the deepest stage used; adequate: whether its residual is noise; stage: the longest
     windows on which it is adequate, else the middle ones; rivals: fits indistinguishable from the winner;
-    tried: every fit, and first: score tests beside no effect, on the shortest windows; unidentifiable: labels
-    of effects with too little information; confirmed: of each cause, by label; beside: the nuisance that
-    suffices beside the best single effect, at which the search then ended.
+    tried: every fit to the shortest windows; first: score tests beside no effect, on the shortest windows
+    that show more than noise; unidentifiable: labels of effects with too little information; confirmed: of
+    each cause, by label; beside: the nuisance that suffices beside the best single effect, at which the
+    search then ended.
     """
 
     winner: Fit

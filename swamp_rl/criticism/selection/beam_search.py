@@ -33,7 +33,8 @@ def beam_search(
     previous: Sequence[Fit] = (),
 ) -> Selection:
     """Search from no effect to `most_effects` effects, until the residual is noise and no score test is
-    significant.
+    significant. Effects are added on the shortest windows, or on the middle ones if the boat file leaves
+    noise on the shortest: these then show no effect.
 
     step_budget: boat steps after which no further depth is begun, 0 for none at all; the first one is begun
     however many the boat file took. sufficient_nuisance: what the boat file or the best of the first depth
@@ -55,12 +56,15 @@ def beam_search(
         if not _is_significant(continuation, stage, small, every):
             return conclude(continuation, small, others, first, _unidentifiable(first), every)
         first = score_tests(continuation.problems[0], continuation.boat_file(0), every)
+    shown = MIDDLE if continuation.is_adequate(0, continuation.boat_file(0)) else 0
+    if shown:
+        first = score_tests(continuation.problems[shown], continuation.boat_file(shown), every)
     unidentifiable, whole = _unidentifiable(first), every
     every = _identifiable(every, first)
     tried: dict[str, Fit] = {}
     if best.hypothesis.instances:
-        tried[best.hypothesis.label] = continuation.at(0, best)
-    beam = [continuation.boat_file(0)]
+        tried[best.hypothesis.label] = continuation.at(shown, best)
+    beam = [continuation.boat_file(shown)]
     for depth in range(options().most_effects):
         LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
         if depth == 1 and sufficient_nuisance:
@@ -68,7 +72,7 @@ def beam_search(
             found = sufficient_nuisance(continuation, closest)
             if found:  # an effect more would only absorb it
                 beside, at = found
-                every_tried = list(tried.values())
+                every_tried = list(_on_shortest(continuation, tried).values())
                 if beside == "position noise":
                     return Selection(at, False, MIDDLE, [], every_tried, first, unidentifiable, beside=beside)
                 made = conclude(continuation, at, every_tried, first, unidentifiable, every)
@@ -77,18 +81,19 @@ def beam_search(
         if spent or (depth > 0 and _is_sufficient(continuation, best, every)):
             break
         budget = step_budget if depth == options().most_effects - 1 else np.inf
-        fitted = _expand(continuation, beam, every, first if depth == 0 else None, budget)
+        fitted = _expand(continuation, shown, beam, every, first if depth == 0 else None, budget)
         if not fitted:
             break
         tried |= {one.hypothesis.label: one for one in fitted}
         room = options().follow_beam + options().follow_share * (beam[0].chi2 - fitted[0].chi2)
         distinct = _distinct(fitted)[: options().beam]
         beam = [one for one in distinct if criterion(one) < criterion(fitted[0]) + room]
-        followed = [one for one in _followed(continuation, fitted) if near(continuation.problems[0], one)]
+        followed = _followed(continuation, shown, fitted)
         for one in followed:
             best = min(best, fit_by_continuation(continuation, one.hypothesis, one.x), key=criterion)
     if tried and adequate_stage(continuation, best) is None:
         best = min(best, _closest(continuation, tried.values()), key=criterion)
+    tried = _on_shortest(continuation, tried)
     short, enough = continuation.problems[0], adequate_stage(continuation, best) is not None
     if not enough and near(short, continuation.at(0, best)):
         slow = with_slow_effects(continuation, best, whole)
@@ -126,6 +131,11 @@ def _distinct(fits: Sequence[Fit]) -> list[Fit]:
     return kept
 
 
+def _on_shortest(continuation: Continuation, tried: dict[str, Fit]) -> dict[str, Fit]:
+    """The hypotheses of some fits, by label, fitted to the shortest windows."""
+    return {label: continuation.at(0, one) for label, one in tried.items()}
+
+
 def _labels(instances: Sequence[EffectInstance]) -> list[str]:
     return [instance.label for instance in instances]
 
@@ -145,13 +155,15 @@ def _closest(continuation: Continuation, fitted: Iterable[Fit]) -> Fit:
     return fit_by_continuation(continuation, closest.hypothesis, closest.x)
 
 
-def _followed(continuation: Continuation, fitted: list[Fit]) -> list[Fit]:
+def _followed(continuation: Continuation, stage: int, fitted: list[Fit]) -> list[Fit]:
+    """Of fits at a stage, the best first: those that are fitted to the middle windows."""
     criterion = continuation.criterion
     best = criterion(fitted[0])
     room = options().follow_adequate
-    if not continuation.is_adequate(0, fitted[0]):
+    if not continuation.is_adequate(stage, fitted[0]):
         room += options().follow_inadequate * best
-    return [one for one in fitted[: options().followed] if criterion(one) < best + room]
+    close = [one for one in fitted[: options().followed] if criterion(one) < best + room]
+    return [one for one in close if near(continuation.problems[stage], one)]
 
 
 def _is_sufficient(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> bool:
@@ -186,12 +198,14 @@ def _base(prospect: ScoreTest) -> Hypothesis:
 
 def _expand(
     continuation: Continuation,
+    stage: int,
     beam: list[Fit],
     instances: Sequence[EffectInstance],
     known: list[ScoreTest] | None,
     step_budget: float,
 ) -> list[Fit]:
-    """Fits to the shortest windows of the sets of least expected criterion with one more effect, best first.
+    """Fits at a stage of the sets of least expected criterion with one more effect, best first; beam: fits at
+    that stage.
 
     Sets whose expected criterion is far above that of the first `always_fitted` are not fitted, effects
     without parameters excepted as long as nothing is adequate on longer windows too and a part of the windows
@@ -202,7 +216,7 @@ def _expand(
     criterion = continuation.criterion
     found: dict[str, ScoreTest] = {}
     for at in beam:
-        scores = known if known is not None else score_tests(continuation.problems[0], at, instances)
+        scores = known if known is not None else score_tests(continuation.problems[stage], at, instances)
         for one in scores:
             label = one.hypothesis.label
             if one.information >= options().least_information and (
@@ -222,15 +236,15 @@ def _expand(
         if number >= options().always_fitted and continuation.boat_steps > step_budget:
             break
         expected = criterion.expected(one)  # which may overflow
-        jump = not (one.instance.size or explained) and not _is_hopeless(continuation, one, beam)
+        jump = not (one.instance.size or explained) and not _is_hopeless(continuation, stage, one, beam)
         if not fitted or expected < limit or jump:
-            made = continuation.fit(0, one.hypothesis, one.x, one.states)
+            made = continuation.fit(stage, one.hypothesis, one.x, one.states)
             previous = min(at.chi2 for at in beam if at.hypothesis.label == _base(one).label)
-            if continuation.not_converged(made, previous, one.expected_chi2):
+            if stage == 0 and continuation.not_converged(made, previous, one.expected_chi2):
                 made = continuation.restarted(made)
             fitted.append(made)
         best = min(fitted, key=criterion)
-        enough = continuation.is_adequate(0, best)
+        enough = continuation.is_adequate(stage, best)
         if enough and one.instance.size:  # one jump is no reason to leave out another
             explained = continuation.is_adequate(MIDDLE, continuation.at(MIDDLE, best))
         if enough or number + 1 >= options().always_fitted:
@@ -240,11 +254,11 @@ def _expand(
     return sorted(fitted, key=criterion)
 
 
-def _is_hopeless(continuation: Continuation, one: ScoreTest, beam: Sequence[Fit]) -> bool:
-    """Whether an effect, fitted in full to one window in `jump_part`, has a greater chi2 on these windows
-    than the hypothesis without it. A fit to all windows could differ.
+def _is_hopeless(continuation: Continuation, stage: int, one: ScoreTest, beam: Sequence[Fit]) -> bool:
+    """Whether an effect, fitted in full to one window of a stage in `jump_part`, has a greater chi2 on these
+    windows than the hypothesis without it. A fit to all windows could differ.
     """
-    problem = continuation.problems[0]
+    problem = continuation.problems[stage]
     if problem.windows.count < options().jump_windows:
         return False
     chosen = np.arange(problem.windows.count) % options().jump_part == 0

@@ -12,7 +12,7 @@ from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_no
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, fit_states, inverse
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, neutral_of
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, by_label, neutral_of
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
 
@@ -48,6 +48,24 @@ def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance])
     kept = (at, asked, problem.boat_steps[0] - before, scores)
     problem.scores = [*problem.scores, kept][-options().most_scores :]
     return list(scores)
+
+
+def score_tests_from_neutral(
+    problem: Shooting, at: Fit, instances: Sequence[EffectInstance]
+) -> list[ScoreTest]:
+    """Score tests begun from the effects' neutral values, of an effect without information there from its own
+    starts: of the water's depth, from which on it is deep.
+    """
+    begun = [
+        one if one.effect.begin == "spectral" else at_neutral_values(one, problem.boat) for one in instances
+    ]
+    scores, own = score_tests(problem, at, begun), by_label(instances)
+    flat = {one.instance.label for one in scores if one.information < options().least_information}
+    kept = [one for one in scores if one.instance.label not in flat]
+    return sorted(
+        [*kept, *score_tests(problem, at, [own[label] for label in own if label in flat])],
+        key=lambda one: one.expected_chi2,
+    )
 
 
 def _score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:

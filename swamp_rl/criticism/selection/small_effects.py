@@ -10,7 +10,7 @@ from swamp_rl.criticism.model.candidates import EffectInstance, by_label
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import confirmed_on, fit_by_continuation, without
 from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation
-from swamp_rl.criticism.selection.score_test import ScoreTest, at_neutral_values, score_tests
+from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests_from_neutral
 
 Array = NDArray[np.float64]
 
@@ -100,15 +100,10 @@ def _ranked(
 ) -> list[ScoreTest]:
     """The most promising score tests of one more effect at a stage, in order."""
     problem = continuation.problem(stage, at.hypothesis)
-    begun = [
-        one if one.effect.begin == "spectral" else at_neutral_values(one, problem.boat)
-        for one in instances
-        if is_small(one)
-    ]
     criterion = continuation.criterion
     scores = [
         one
-        for one in score_tests(problem, at, begun)
+        for one in score_tests_from_neutral(problem, at, [one for one in instances if is_small(one)])
         if one.information >= options().least_information
         and at.chi2 - one.expected_chi2 > criterion.required_gain(at.hypothesis, one.instance)
     ]
