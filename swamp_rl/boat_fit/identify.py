@@ -126,22 +126,26 @@ def _fitted_to_alike(
 ) -> tuple[_FittedFile, UnlikeRuns]:
     """The fit to the training runs that have the thrust of most runs, and the runs that have another.
 
-    These are sought with the fit to short windows of all, and again with each fit without them, until the
+    These are sought with the numbers of the search of the wiring, and again with those of each fit, until the
     runs left out are those found. The thrust of the last fit is brought to the mean of the runs fitted to.
     written: the boat of the file with these numbers and this level of the thrust.
     """
-    begun, rest = searched(data.training, positions), data.training
-    wiring, short = short_fitted(rest, begun, positions)
-    judged = len(rest.lengths) + len(data.held_out.lengths) >= FEWEST
-    thrusts = _thrusts(data, wiring, written(wiring.boat, short, ThrustLevel())) if judged else []
+    begun = searched(data.training, positions)
+    judged = len(data.training.lengths) + len(data.held_out.lengths) >= FEWEST
+
+    def thrusts_of(numbers: list[Fitted]) -> list[RunThrust]:
+        return _thrusts(data, begun, written(begun.boat, numbers, ThrustLevel())) if judged else []
+
+    every = zip(free_numbers(begun.boat, positions), begun.x, strict=True)
+    thrusts = thrusts_of([Fitted(one, float(x), one.sd) for one, x in every])
     for _ in range(FITS):
-        alike = _without(data.training, unlike(thrusts))
-        if alike.names != rest.names:
-            LOG.info("without %s", ", ".join(sorted(set(data.training.names) - set(alike.names))) or "none")
-            rest, (wiring, short) = alike, short_fitted(alike, begun, positions)
+        rest = _without(data.training, unlike(thrusts))
+        left_out = sorted(set(data.training.names) - set(rest.names))
+        LOG.info("fitting to all runs but %s", ", ".join(left_out) or "none")
+        wiring, short = short_fitted(rest, begun, positions)
         made = fitted_boat(rest, wiring, short)
         numbers = numbers_of(made)
-        thrusts = _thrusts(data, wiring, written(wiring.boat, numbers, ThrustLevel())) if judged else []
+        thrusts = thrusts_of(numbers)
         if _without(data.training, unlike(thrusts)).names == rest.names:
             break
     level = thrust_level([one for one in thrusts if one.name in rest.names])

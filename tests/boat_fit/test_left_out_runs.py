@@ -12,6 +12,7 @@ from swamp_rl.boat_fit.report import page_of, summary
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.progress import LOG
 from swamp_rl.runs import append_run, inspect_dataset
 from tests.support.from_scratch import written
 from tests.support.sailing import sailed_dataset
@@ -21,7 +22,7 @@ WEED = "extends: twin.yaml\nname: weed\neffects: [{effect: thrust_scale, scale: 
 
 @pytest.mark.slow
 def test_runs_of_another_thrust_are_left_out_of_the_fit_and_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     written(tmp_path, "twin")
     (tmp_path / "weed.yaml").write_text(WEED)
@@ -42,7 +43,9 @@ def test_runs_of_another_thrust_are_left_out_of_the_fit_and_named(
 
     monkeypatch.setattr(identify, "free_numbers", few)  # two numbers, of commands as they are logged: fast
     monkeypatch.setattr(identify, "search_wiring", as_logged)
-    found = identify.identify_boat(data, start, tmp_path / "new.yaml")
+    with caplog.at_level("INFO", LOG.name):
+        found = identify.identify_boat(data, start, tmp_path / "new.yaml")
+    assert caplog.text.count("windows of 5 s") == 1  # the runs are judged before the first fit
     named = {one.name.split(",")[0]: one.share for one in found.unlike.thrust}
     assert set(named) == {"weed0", "weed1"}
     assert named == pytest.approx(dict.fromkeys(named, 0.25), abs=0.1)
