@@ -16,6 +16,7 @@ BadRows = Literal["refuse", "cut", "split"]
 
 MOST_TOLD = 20
 """Faults that are listed, then a count."""
+REFUSED = "nothing was imported"
 FEWEST_ROWS = 10
 """Of a stretch that is kept: as many as `runs check` needs to compare heading with yaw rate."""
 MOST_BAD = 0.5
@@ -112,10 +113,10 @@ def stretches(
 def _hopeless(file: str, lines: Sequence[str], even: bool, share: float) -> str:
     """What is wrong with a file of which nothing can be kept."""
     if share > MOST_BAD:
-        ending = f"{share:.0%} of the rows are bad, so a unit or the mapping is wrong; nothing was imported"
+        ending = f"{share:.0%} of the rows are bad, so a unit or the mapping is wrong; {REFUSED}"
         return listed(lines, ending)
     hint = ", or --resample HZ where the rows come at uneven times" if even else ""
-    return f"{file}: no {FEWEST_ROWS} rows without a fault follow one another{hint}; nothing was imported"
+    return f"{file}: no {FEWEST_ROWS} rows without a fault follow one another{hint}; {REFUSED}"
 
 
 def _summary(rows: NDArray[np.int64], kept: list[NDArray[np.int64]], lines: list[str]) -> list[str]:

@@ -12,7 +12,7 @@ from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
 from swamp_rl.ordinary import ordinary
-from swamp_rl.runs.bad_rows import MOST_TOLD
+from swamp_rl.runs.bad_rows import REFUSED, listed
 from swamp_rl.runs.columns import is_angle
 from swamp_rl.runs.copies import boat_file, course_file, write_copies
 from swamp_rl.runs.dataset import read_meta
@@ -231,17 +231,14 @@ def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]
         except UserError as error:
             refused += str(error).splitlines()
     if refused:
-        refused = list(dict.fromkeys(refused))  # what every file lacks, such as a package, is named once
-        raise UserError("\n".join(refused[:MOST_TOLD] + _others(len(refused) - MOST_TOLD)))
+        # what every file lacks, such as a package, is named once
+        refused = list(dict.fromkeys(line.removesuffix(f"; {REFUSED}") for line in refused))
+        raise UserError(listed(refused, REFUSED))
     return runs
 
 
 def _earlier(runs: list[Run], wishes: Wishes) -> list[Run]:
     return [with_earlier_commands(run, wishes.earlier) for run in runs] if wishes.earlier else runs
-
-
-def _others(count: int) -> list[str]:
-    return [f"and {count} more; nothing was imported"] if count > 0 else []
 
 
 def _ended(runs: list[Run], about: About, course: str | Path | None, boat: Boat, foreign: bool) -> list[Run]:
@@ -286,13 +283,13 @@ def _files(source: Path, kind: str) -> list[Path]:
         raise UserError(f"{source}: no such file or folder; check the name")
     refuse_changed_files(source)
     if (source / META).is_file():
-        listed = [source / str(run.file) for run in read_meta(source).runs]
+        named = [source / str(run.file) for run in read_meta(source).runs]
     else:
-        listed = _of_kind(source.iterdir(), kind) or _in_folders(source, kind)
-    files, suffixes = _of_kind(listed, kind), " or ".join(SUFFIXES[kind])
+        named = _of_kind(source.iterdir(), kind) or _in_folders(source, kind)
+    files, suffixes = _of_kind(named, kind), " or ".join(SUFFIXES[kind])
     if not files:
         raise UserError(f"{source}: neither it nor a folder in it has {suffixes} runs; check --from {kind}")
-    if len(files) < len(listed):
+    if len(files) < len(named):
         raise UserError(f"{source}: its runs are not all {suffixes}; check --from {kind}")
     return [file_in(file.parent, file.name, SUFFIXES[kind]) for file in files]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.runs.bad_rows import BadRows, gap_faults, listed, stretches
+from swamp_rl.runs.bad_rows import REFUSED, BadRows, gap_faults, listed, stretches
 from swamp_rl.runs.check import MISSING, REPEATS, check_table
 from swamp_rl.runs.columns import NO_THRUSTER, REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
@@ -260,7 +260,7 @@ def refuse(found: Foreign, wishes: Wishes, faults: Sequence[Fault]) -> None:
     """Raise the faults of a table, each with the column's name in the file and the option that may help."""
     if faults:
         lines = [_with_hint(wishes, fault, found.mapped) for fault in condensed(faults)]
-        raise UserError(listed(lines, "nothing was imported"))
+        raise UserError(listed(lines, REFUSED))
 
 
 def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:

@@ -391,4 +391,6 @@ def test_what_all_files_lack_is_reported_once(tmp_path: Path, monkeypatch: pytes
     files = [write_csv(tmp_path / f"{name}.csv", columns) for name in ("one", "two")]
     with pytest.raises(UserError) as error:
         import_runs(files, "csv", tmp_path / "out")
-    assert str(error.value) == "latitude and longitude need pyproj; pip install 'swamp-rl[gps]'"
+    assert str(error.value) == (
+        "latitude and longitude need pyproj; pip install 'swamp-rl[gps]'; nothing was imported"
+    )
