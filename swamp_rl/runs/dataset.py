@@ -8,6 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.clipped import printable
 from swamp_rl.course import Course, fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import is_file, refuse_object
@@ -245,7 +246,8 @@ def _look_for_unlisted_files(folder: Path, found: Inspection) -> None:
     listed = {run.file for run in found.meta.runs}
     for path in sorted(folder.iterdir()):
         if path.name.startswith(".part-"):
-            found.notes.append(f"{path.name}: left by a writer that was stopped; it may be deleted")
+            name = printable(path.name)
+            found.notes.append(f"{name}: left by a writer that was stopped; it may be deleted")
         elif is_table(path) and path.name not in listed:
             message = f"is not listed in {META} (was a writer stopped?); add it to runs, or delete it"
             found.faults.append(Fault(path.name, None, None, message))

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.clipped import printable
+
 NUMBER = re.compile(r"-?\d[\d.]*(?:e[-+]?\d+)?")
 NO_NUMBER = "holds no number in any row; record it, or leave the column out where it is optional"
 
@@ -35,7 +37,7 @@ class Fault:
             message += f" (in {self.alike + 1} of rows {self.row} to {self.last})"
         elif self.row is not None and self.last is not None and self.last > self.row:
             message += f" (in each of rows {self.row} to {self.last}: {self.last - self.row + 1} rows)"
-        return ": ".join([self.file, *filter(None, [", ".join(row + column)]), message])
+        return printable(": ".join([self.file, *filter(None, [", ".join(row + column)]), message]))
 
 
 def condensed(faults: Sequence[Fault]) -> list[Fault]:

@@ -5,7 +5,15 @@ from pathlib import Path
 import pytest
 
 from swamp_rl.errors import UserError
-from swamp_rl.runs import Run, append_run, check_dataset, create_dataset, read_dataset, read_run
+from swamp_rl.runs import (
+    Run,
+    append_run,
+    check_dataset,
+    create_dataset,
+    inspect_dataset,
+    read_dataset,
+    read_run,
+)
 from tests.support.runs import circling, described
 
 WRONG = {
@@ -111,3 +119,14 @@ def test_a_lone_table_is_a_run_that_nothing_is_said_of(folder: Path, tmp_path: P
     assert read_run(tmp_path / "copy.csv").meta.seed is None
     with pytest.raises(UserError, match="no such file"):
         read_run(tmp_path / "nothing.csv")
+
+
+@pytest.mark.parametrize(
+    "name", ["stray\x1b]0;title\x07.csv", "stray\rdone.csv", "stray\nnext.csv", "stray\u202evsc.csv"]
+)
+def test_what_a_terminal_acts_on_in_a_stray_files_name_is_not_printed(folder: Path, name: str) -> None:
+    (folder / name).write_text((folder / "one.csv").read_text())
+    (folder / f".part-{name}").write_text("")
+    found = inspect_dataset(folder)
+    lines = [*map(str, found.faults), *found.notes]
+    assert len(lines) == 2 and all("stray" in line and line.isprintable() for line in lines)
