@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from pathlib import Path
 
 from swamp_rl.criticism.result import Diagnosis
@@ -43,7 +44,7 @@ def input_of(
     digest = hashlib.sha256()
     files = [path for path in sorted(dataset.iterdir()) if _is_source(path) and path.is_file()]
     for path in files:
-        digest.update(path.name.encode() + b"\0")
+        digest.update(os.fsencode(path.name) + b"\0")
         digest.update(hashlib.sha256(contents(path)).digest())
     digest.update(numbers.encode())
     return {"boat": boat, "ignore": sorted(ignore), "files": digest.hexdigest(), "swamp_rl": version}

@@ -22,7 +22,9 @@ def diagnosed(dataset: Path) -> list[str]:
     return heard
 
 
-@pytest.mark.parametrize("name", ["run.csv", "run.CSV", "run.PARQUET", "boat.yml", "dataset.yaml"])
+@pytest.mark.parametrize(
+    "name", ["run.csv", "run.CSV", "run.PARQUET", "boat.yml", "dataset.yaml", "run\udcff.csv"]
+)
 def test_a_file_that_a_reader_of_the_dataset_takes_makes_it_be_diagnosed_again(
     dataset: Path, name: str
 ) -> None:
