@@ -29,11 +29,12 @@ def plain_name(name: str, suffixes: Collection[str] = ("",)) -> str:
     return name
 
 
-def refuse_odd_label(where: Path | str, name: str) -> None:
-    """UserError for a name of a pilot or level, read at `where`, on which a table or a terminal would act."""
+def refuse_odd_label(
+    where: Path | str, name: str, of: str = "pilot or a level", advice: str = "run the experiment again"
+) -> None:
+    """UserError for a name, read or found at `where`, on which a table or a terminal would act."""
     if not name or not name.isprintable() or len(name) > LONGEST or set(name) & set("[]|<>`*"):
-        message = f"{clipped(name)!r} is not a name of a pilot or a level"
-        raise UserError(f"{where}: {message}; run the experiment again")
+        raise UserError(f"{where}: {clipped(name)!r} is not a name of a {of}; {advice}")
 
 
 def file_in(folder: Path, name: str, suffixes: Collection[str]) -> Path:

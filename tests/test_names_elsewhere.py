@@ -60,6 +60,20 @@ def test_no_pilot_or_level_in_results_reaches_out_of_a_comparison(here: Any, pil
     assert complaint or "/" not in level
 
 
+@pytest.mark.parametrize("name", ["\x1b[2Jred", "line\nend", "\u202eevil", "<img src=x>", "a|b", "`code`"])
+def test_a_folder_of_results_with_an_odd_name_is_refused(tmp_path: Path, name: str) -> None:
+    folder_of(tmp_path / "good", {"ppo": np.arange(9) < 5})
+    folder_of(tmp_path / name / "seed", {"ppo": np.arange(9) < 5}, 1)
+    for act in (gather, lambda place: compare([place], 0)):
+        assert "is not a name of a folder of results; rename it" in message_of(act, tmp_path)
+
+
+def test_a_boat_that_is_markup_in_results_is_text_in_a_comparison(tmp_path: Path) -> None:
+    file = folder_of(tmp_path, {"ppo": np.arange(9) < 5}) / "config" / "experiment.yaml"
+    written(file, {**read_yaml(file), "boat": "a` <img src=x> `b"})
+    assert r"a\` \<img src=x\> \`b on the course" in report(compare([tmp_path], 0))
+
+
 @EXAMPLES
 @given(name=HOSTILE, key=HOSTILE)
 @example(name=HALFWAY, key="data")

@@ -13,7 +13,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.evaluation import Table, read_episodes
 from swamp_rl.files import read_yaml
 from swamp_rl.json_text import read_json
-from swamp_rl.names import YAML, file_in
+from swamp_rl.names import YAML, file_in, refuse_odd_label
 
 EPISODES = "episodes.parquet"
 DOINGS = ("success", "time", "command_change")
@@ -70,7 +70,9 @@ class Entrant:
 
 
 def find_results(paths: Iterable[Path]) -> list[Path]:
-    """The folders at or below `paths` that hold episodes; UserError for a path with none."""
+    """The folders at or below `paths` that hold episodes; UserError for a path with none, and where a folder
+    below has a name on which a table or a terminal would act, as reports and messages name it.
+    """
     found: list[Path] = []
     for path in paths:
         if not path.is_dir():
@@ -79,6 +81,8 @@ def find_results(paths: Iterable[Path]) -> list[Path]:
         below = [file.parent for file in sorted(path.rglob(EPISODES)) if not _hidden(file, path)]
         if not below:
             raise UserError(f"{path}: no {EPISODES} in it or below; name a folder that `run` has written")
+        for part in {part for folder in below for part in folder.relative_to(path).parts}:
+            refuse_odd_label(path, part, "folder of results", "rename it")
         found += below
     return list({folder.resolve(): folder for folder in found}.values())
 

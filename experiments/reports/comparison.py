@@ -5,6 +5,8 @@ from typing import Any
 
 from swamp_rl.experiments.reports.experiment import COST_NAMES, difference, table
 
+from swamp_rl.clipped import in_markdown
+
 Found = Mapping[str, Any]
 
 DIFFERENCE_HEADS = ("mean (95 %, uncorrected)", "p (Holm)")
@@ -27,8 +29,8 @@ def report(found: Found) -> str:
     notes = "".join(f"\n\n**{note}**" for note in found["notes"])
     levels = ", ".join(f"{n} at `{level}`" for level, n in found["levels"].items())
     parts = [
-        f"# Pilots compared\n\nBoat `{found['boat']}` on the course `{found['course']}`, in the same "
-        f"episodes: {levels}.{notes}",
+        f"# Pilots compared\n\nBoat {in_markdown(str(found['boat']))} on the course "
+        f"{in_markdown(str(found['course']))}, in the same episodes: {levels}.{notes}",
         success(found),
         differences(found, ("success",), SUCCESS_PAIRED.format(found["comparisons"])),
         differences(found, tuple(COST_NAMES), COSTS_PAIRED),
