@@ -66,7 +66,6 @@ def beam_search(
         tried[best.hypothesis.label] = continuation.at(shown, best)
     beam = [continuation.boat_file(shown)]
     for depth in range(options().most_effects):
-        LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
         if depth == 1 and sufficient_nuisance:
             closest = best if best.hypothesis.instances else _closest(continuation, tried.values())
             found = sufficient_nuisance(continuation, closest)
@@ -80,6 +79,7 @@ def beam_search(
         spent = continuation.boat_steps > step_budget and (depth > 0 or step_budget == 0.0)
         if spent or (depth > 0 and _is_sufficient(continuation, best, every)):
             break
+        LOG.info("hypotheses of %d effect%s", depth + 1, "s" * (depth > 0))
         budget = step_budget if depth == options().most_effects - 1 else np.inf
         fitted = _expand(continuation, shown, beam, every, first if depth == 0 else None, budget)
         if not fitted:
