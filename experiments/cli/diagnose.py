@@ -168,7 +168,7 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
     for cause in found.causes:
         for where, parameters in parameter_sets(cause):
             numbers = ", ".join(_number(name, p) for name, p in parameters.items())
-            yield f"  {cause.label}{where}: {numbers}"
+            yield f"  {cause.label}{where}" + (f": {numbers}" if numbers else "")
         for name, value, interval, unit in spread_sets(cause):
             yield f"    {name}: {value} {unit} (95 % interval {interval})"
         if sentence := share_text(cause):
