@@ -26,7 +26,7 @@ def sweep(
     from swamp_rl.experiments.sweep.store import Trial
 
     def tell(trial: Trial, total: int) -> None:
-        what = trial.error or ("no value" if trial.value is None else f"{trial.value:.4g}")
+        what = trial.error or ("no value" if trial.value is None else f"objective {trial.value:.4g}")
         values = ", ".join(f"{key.split('.')[-1]} {value}" for key, value in trial.values.items())
         typer.echo(f"trial {trial.counted} of {total} ({values}): {what}")
 

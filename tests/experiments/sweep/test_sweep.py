@@ -122,7 +122,9 @@ def test_trials_are_counted_from_one_wherever_they_are_reported(
 
     monkeypatch.setattr("swamp_rl.experiments.sweep.run.run_sweep", carried_out)
     sweep_verb("formula.yaml")
-    listed = [line.split(" (")[0] for line in capsys.readouterr().out.splitlines()]
+    lines = capsys.readouterr().out.splitlines()
+    listed = [line.split(" (")[0] for line in lines]
+    assert "): objective " in lines[0]
     found, page = json.loads((tmp_path / "sweep.json").read_text()), (tmp_path / "sweep.md").read_text()
     assert listed[0] == "trial 1 of 9" and listed[8] == "trial 9 of 9"
     numbers = [one["trial"] for one in found["trials"]]
