@@ -19,6 +19,7 @@ from swamp_rl.errors import UserError
 
 HANG = 5
 """Seconds of processor time that a fork may take."""
+SIZE = 8  # bytes of a number from a fork
 Make, Read = Callable[[Path], Path], Callable[[Path], Any]
 
 
@@ -41,8 +42,10 @@ def _within(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
     return getattr(work, "__wrapped__", work)
 
 
-def _forked(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
-    """In a fork, which starts sooner, what `apart` does in a new process."""
+def forked(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
+    """In a fork, which starts sooner, what `apart` does in a new process; AssertionError beyond `HANG`, and
+    beyond 1 GiB more than this process holds.
+    """
 
     def done(path: Path) -> Any:
         reading, writing = os.pipe()
@@ -50,6 +53,7 @@ def _forked(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
         if child == 0:
             try:
                 resource.setrlimit(resource.RLIMIT_CPU, (HANG, HANG))
+                os.write(writing, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss.to_bytes(SIZE))
                 answer: tuple[Any, str | None]
                 try:
                     answer = (_within(work)(path), None)
@@ -62,11 +66,12 @@ def _forked(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
                 os._exit(1)
         os.close(writing)
         with os.fdopen(reading, "rb") as answered:
-            data = answered.read()
+            inherited, data = int.from_bytes(answered.read(SIZE)), answered.read()
         _, status, used = os.wait4(child, 0)
         code = os.waitstatus_to_exitcode(status)
         assert code != -signal.SIGKILL, f"no end after {HANG} s of processor time"
-        assert used.ru_maxrss < 2**20, f"holds {used.ru_maxrss / 2**20:.1f} GB"
+        grown = used.ru_maxrss - inherited
+        assert grown < 2**20, f"holds {grown / 2**20:.1f} GB"
         if code != 0:
             raise UserError(f"the process ended with {code}")
         value, refusal = pickle.loads(data)
@@ -208,7 +213,7 @@ FOLDER_FORMATS: dict[str, tuple[Make, Read]] = {
     "doctor, lerobot swamp_rl.json": (_exported("lerobot", "swamp_rl.json"), _doctored(1)),
     "doctor, lerobot frames.parquet": (_exported("lerobot", "data/**/file-000.parquet"), _doctored(2)),
     "doctor, minari metadata.json": (_exported("minari", "metadata.json"), _doctored(1)),
-    "doctor, minari main_data.hdf5": (_exported("minari", "main_data.hdf5"), _doctored(1, _forked)),
+    "doctor, minari main_data.hdf5": (_exported("minari", "main_data.hdf5"), _doctored(1, forked)),
     "results, experiment.yaml": (_results("experiment.yaml"), _listed),
     "results.json": (_results("results.json"), _listed),
     "results, versions.json": (_results("versions.json"), _listed),

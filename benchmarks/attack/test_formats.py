@@ -9,9 +9,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings, strategies
 
+from benchmarks.attack.folder_formats import forked
 from benchmarks.attack.formats import FORMATS, outcome
 from benchmarks.attack.fuzz import HANG
 from swamp_rl.errors import UserError
@@ -164,3 +166,16 @@ def test_what_is_no_file_of_its_kind_is_refused_at_once(
     with ends_within(HANG), pytest.raises(UserError) as refused:
         FORMATS[name].read(path)
     assert str(refused.value).isprintable() and len(str(refused.value)) < 3000
+
+
+@pytest.mark.parametrize(("before", "after", "refused"), [(2**30, 2**20, False), (0, 2**30 + 2**27, True)])
+def test_the_memory_of_a_fork_is_what_it_takes_beside_what_it_inherits(
+    tmp_path: Path, before: int, after: int, refused: bool
+) -> None:
+    held = np.ones(before, np.uint8)
+    work = forked(lambda path: int(np.ones(after, np.uint8)[-1]))
+    if refused:
+        with pytest.raises(AssertionError, match="holds"):
+            work(tmp_path)
+    else:
+        assert work(tmp_path) == held[0] == 1
