@@ -49,15 +49,13 @@ def beam_search(
     if previous:
         best = min(best, _refit_previous(continuation, previous), key=criterion)
     stage = adequate_stage(continuation, best) if not best.hypothesis.instances else None
-    at_start = continuation.boat_file(stage or 0)
-    first = score_tests(continuation.problem(stage or 0, Hypothesis()), at_start, every)
+    shown = MIDDLE if continuation.is_adequate(0, continuation.boat_file(0)) else 0
+    begun = shown if stage is None else stage
+    first = score_tests(continuation.problem(begun, Hypothesis()), continuation.boat_file(begun), every)
     if stage is not None:
         small, others = with_small_effects(continuation, best, every, _labels(_identifiable(every, first)))
         if not _is_significant(continuation, stage, small, every):
             return conclude(continuation, small, others, first, _unidentifiable(first), every)
-        first = score_tests(continuation.problems[0], continuation.boat_file(0), every)
-    shown = MIDDLE if continuation.is_adequate(0, continuation.boat_file(0)) else 0
-    if shown:
         first = score_tests(continuation.problems[shown], continuation.boat_file(shown), every)
     unidentifiable, whole = _unidentifiable(first), every
     every = _identifiable(every, first)

@@ -12,7 +12,7 @@ from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_no
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, fit_states, inverse
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, by_label, neutral_of
+from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, neutral_of
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
 
@@ -53,19 +53,17 @@ def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance])
 def score_tests_from_neutral(
     problem: Shooting, at: Fit, instances: Sequence[EffectInstance]
 ) -> list[ScoreTest]:
-    """Score tests begun from the effects' neutral values, of an effect without information there from its own
-    starts: of the water's depth, from which on it is deep.
+    """Score tests in no order, begun from the effects' neutral values; from its own starts if an effect has
+    no information at its neutral value, as the water's depth, whose neutral value is deep water.
     """
     begun = [
         one if one.effect.begin == "spectral" else at_neutral_values(one, problem.boat) for one in instances
     ]
-    scores, own = score_tests(problem, at, begun), by_label(instances)
-    flat = {one.instance.label for one in scores if one.information < options().least_information}
-    kept = [one for one in scores if one.instance.label not in flat]
-    return sorted(
-        [*kept, *score_tests(problem, at, [own[label] for label in own if label in flat])],
-        key=lambda one: one.expected_chi2,
-    )
+    scores = score_tests(problem, at, begun)
+    kept = [one for one in scores if one.information >= options().least_information]
+    shown, tested = ({one.instance.label for one in some} for some in (kept, scores))
+    flat = [one for one in instances if one.label in tested - shown]
+    return [*kept, *score_tests(problem, at, flat)] if flat else kept
 
 
 def _score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
