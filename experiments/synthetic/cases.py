@@ -244,18 +244,19 @@ def acting_share(case: Case, boat: Boat, voyage: Voyage) -> float:
     which its thruster runs where that is less: one that never runs has failed, which the library has.
     """
     hook, acts, plain = hook_of(case.outside, boat), 0, voyage.record.tobytes()
-    stalled, runs = (case.outside or {}).get("what") == "dead_zone", 0
     for state, command in zip(voyage.track, voyage.commands, strict=False):
         params, arrived = voyage.record.copy(), command.copy()
         hook(params, state, arrived)
         acts += params.tobytes() != plain or bool((arrived != command).any())
-        runs += not stalled or arrived[_throttle_column(case.outside, boat)] != 0.0
-    return min(acts, runs) / len(voyage.commands)
+    acting = acts / len(voyage.commands)
+    if case.outside and case.outside["what"] == "dead_zone":
+        throttle = voyage.commands[:, _throttle_column(case.outside, boat)]
+        return min(acting, float((throttle >= case.outside["below"]).mean()))
+    return acting
 
 
-def _throttle_column(dead_zone: Mapping[str, Any] | None, boat: Boat) -> int:
+def _throttle_column(dead_zone: Mapping[str, Any], boat: Boat) -> int:
     """The column of the commands that a dead zone acts on."""
-    assert dead_zone
     return len(boat.thrusters) + boat.thruster_names.index(dead_zone["thruster"])
 
 
