@@ -10,8 +10,14 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.cause_share import Witness
 from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
-from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
-from swamp_rl.criticism.selection.backward_elimination import Selection, nested, with_special_cases
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates, hull_nuisance, joined
+from swamp_rl.criticism.selection.backward_elimination import (
+    Selection,
+    conclude,
+    fit_by_continuation,
+    nested,
+    with_special_cases,
+)
 from swamp_rl.criticism.selection.continuation import continuation_of
 from tests.support.criticism import DT, SECONDS, SIGMA, driven, simulated_runs
 
@@ -88,3 +94,18 @@ def test_a_curve_of_which_each_run_shows_one_throttle_stays_a_curve() -> None:
     steered[..., 4:] = np.reshape([0.62, 0.8], (2, 1, 1))
     curve = {**CURVE, "at_60": 0.87, "at_100": 1.37}
     assert named(driven([curve], steered, 0.8, 0)) == ["thruster_efficiency_curve bs"]
+
+
+def test_the_special_case_of_hull_derivatives_stands_though_one_run_would_have_another_effect() -> None:
+    damping, force = {"effect": "yaw_damping", "scale": 0.68}, {"effect": "external_force", "north": 0.01}
+    runs, other = simulated_runs([damping]), simulated_runs([damping, force])
+    runs = replace(runs, measured=np.concatenate([other.measured[:1], runs.measured[1:]]))
+    every, hull = candidates(runs.boat, SECONDS), hull_nuisance(runs.boat)
+    assert hull is not None
+    continuation = continuation_of(runs, weights(runs, noise_levels(runs)))
+    derivatives = (hull, np.array([1.0, 1.0, 1.0, 1.0, 0.68]))
+    more = (by_label(every)["external_force"], np.array([0.003, 0.0]))
+    tried = continuation.fit(0, *joined([derivatives, more]))
+    best = fit_by_continuation(continuation, *joined([derivatives]))
+    found = conclude(continuation, best, [tried], [], [], [*every, hull])
+    assert found.winner.hypothesis.label == "yaw_damping"

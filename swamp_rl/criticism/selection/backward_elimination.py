@@ -117,19 +117,21 @@ def _with_rivals(
     continuation: Continuation, found: Selection, instances: Sequence[EffectInstance]
 ) -> Selection:
     """The best of all fits and its rivals; what replaces the winner must be confirmed on held-out runs."""
-    special = alternatives_to_nuisance(continuation, found.winner, instances)
-    best, rivals, stage = compare(continuation, found.winner, [*found.tried, *special], found.stage)
+    plain = with_special_cases(continuation, found.winner, instances, found.stage)
+    special = alternatives_to_nuisance(continuation, plain, instances)
+    best, rivals, stage = compare(continuation, plain, [*found.tried, *special], found.stage)
     less = pruned(continuation, best, stage)
     if less is not best and continuation.is_adequate(stage, less):
         least = continuation.criterion(less) + options().separation
         best, rivals = less, [one for one in rivals if continuation.criterion(one) < least]
     best = with_special_cases(continuation, best, instances, stage)
     rivals = [with_special_cases(continuation, one, instances, stage) for one in rivals]
-    put = [instance for instance in best.hypothesis.instances if instance.label not in found.confirmed]
-    new = confirmations(continuation, best, put, len(instances) * (1 + len(best.hypothesis.instances)))
-    if not all(one.gains for one in new.values()):
+    new = _new_confirmations(continuation, found, best, instances)
+    if new is None:
         rivals = [best] if found.winner.hypothesis.instances else []
-        best, stage, new = found.winner, found.stage, {}
+        best, stage, new = plain, found.stage, _new_confirmations(continuation, found, plain, instances)
+    if new is None:
+        best, new = found.winner, {}
     apart = {one.hypothesis.cause_label: one for one in reversed(rivals)}
     apart.pop(best.hypothesis.cause_label, None)
     rivals = [
@@ -140,6 +142,15 @@ def _with_rivals(
         or any(one.hypothesis.label == other.hypothesis.label for other in special)
     ][: options().most_rivals]
     return replace(found, winner=best, stage=stage, rivals=rivals, confirmed=found.confirmed | new)
+
+
+def _new_confirmations(
+    continuation: Continuation, found: Selection, best: Fit, instances: Sequence[EffectInstance]
+) -> dict[str, Confirmation] | None:
+    """Confirmations of the effects of a fit that the selection does not have; None if one gains nothing."""
+    put = [instance for instance in best.hypothesis.instances if instance.label not in found.confirmed]
+    new = confirmations(continuation, best, put, len(instances) * (1 + len(best.hypothesis.instances)))
+    return new if all(one.gains for one in new.values()) else None
 
 
 def without_unconfirmed(
