@@ -221,6 +221,20 @@ def wired_wrongly(columns: Columns, rng: Rng) -> Columns:
     return times("throttle_port", -1.0)(exchanged(columns, [("port", "starboard")]), rng)
 
 
+def speed_as_surge(columns: Columns, rng: Rng) -> Columns:
+    """The magnitude of the velocity in place of its component along the heading."""
+    return columns | {"surge": np.hypot(columns["surge"], columns["sway"])}
+
+
+def drifting(runs: list[Run]) -> bool:
+    """Whether speed and surge are known and differ by more than the noise of surge."""
+    if not has("surge", "sway")(runs):
+        return False
+    both = [(np.hypot(run.columns["surge"], run.columns["sway"]), run.columns["surge"]) for run in runs]
+    difference = np.concatenate([speed - surge for speed, surge in both])
+    return float(np.sqrt(np.mean(difference**2))) > RTK[3]
+
+
 PORT_AND_STARBOARD = [("bs", "bp"), ("ss", "sp")]
 BOW_AND_STERN = [("bs", "ss"), ("bp", "sp")]
 HEADING = ("heading_flipped", "heading_offset", "heading_enu", "axes_exchanged")
@@ -235,6 +249,7 @@ SEEDS = [
     Seed("yaw rate in degrees a second", ("unit",), times("yaw_rate", 180.0 / math.pi)),
     Seed("surge in knots", ("unit",), times("surge", 1.0 / KNOT), has("surge")),
     Seed("surge in km/h", ("unit",), times("surge", 3.6), has("surge")),
+    Seed("speed over ground as surge", ("surge_is_speed",), speed_as_surge, drifting),
     Seed("throttles in percent", ("unit",), times("throttle_", 100.0), has("throttle_")),
     Seed("azimuths in degrees", ("unit",), times("azimuth_", 180.0 / math.pi), has("azimuth_")),
     Seed("rudder in degrees", ("unit",), times("rudder_", 180.0 / math.pi), has("rudder_")),

@@ -23,6 +23,11 @@ TIED = 0.7
 """Correlation from which the ratio of two records is a unit: half of the variance is common."""
 SPEEDS = {"kn": 1.0 / KNOT, "km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0, "ft/s": 1.0 / FOOT}
 TURNS = {"deg/s": 180.0 / math.pi, "rpm": 30.0 / math.pi}
+EXCESS = 0.5
+"""Share of the difference between speed and velocity along the heading, above which surge is the speed: it
+has none of it, the speed all."""
+CERTAIN = 2.5
+"""Standard errors by which the share must be above it."""
 UNIT_TOLERANCE = 0.25
 """Of the logarithm of a ratio: half the distance between knots and feet per second, or 1 and knots, is 0.23
 and 0.33."""
@@ -35,7 +40,7 @@ def kinematic_findings(motions: Sequence[Motion]) -> tuple[list[Finding], list[M
     found: list[Finding] = []
     heading, motions = _heading_against_course(motions)
     turning = _yaw_rate_against_heading(motions)
-    found += heading + turning + _surge_against_speed(motions)
+    found += heading + turning + _surge_against_speed(motions) + _speed_for_surge(motions)
     signs = [finding.figures.get("sign", 1.0) for finding in turning]
     if signs and signs[0] < 0.0:
         motions = [one if one.yaw_rate is None else replace(one, yaw_rate=-one.yaw_rate) for one in motions]
@@ -178,6 +183,37 @@ def _surge_against_speed(motions: Sequence[Motion]) -> list[Finding]:
             )
         )
     return found
+
+
+def _speed_for_surge(motions: Sequence[Motion]) -> list[Finding]:
+    """Whether surge is the speed over ground, by regression on the velocity along and across the heading,
+    which a constant error of the heading mixes, and on what the speed exceeds the one along it by."""
+    known = [(one, one.surge) for one in motions if one.surge is not None]
+    if not known:
+        return []
+    given = np.concatenate([surge for _, surge in known])
+    moved = np.concatenate([one.velocity * np.conj(one.direction) for one, _ in known])
+    by = np.column_stack([moved.real, moved.imag, np.abs(moved) - moved.real])
+    found, _, rank, _ = np.linalg.lstsq(by, given, rcond=1e-9)
+    along, _, excess = found.tolist()
+    if rank < by.shape[1] or along <= 0.0:
+        return []
+    left = given - by @ found
+    rows = float(np.mean([one.rows for one, _ in known]))  # of a window, whose errors are one
+    error = float(np.sqrt(np.mean(left**2) * rows * np.linalg.inv(by.T @ by)[2, 2])) / along
+    share = excess / along
+    if not share - EXCESS > CERTAIN * error:
+        return []
+    message = (
+        f"is the speed over ground: of what that exceeds the velocity along the heading by, surge has "
+        f"{share:.2f} ± {error:.2f} (standard error); it should have none"
+    )
+    advice = (
+        "leave it out, or import it with the course over ground: velocity_north=speed*cos(radians(course)), "
+        "velocity_east=speed*sin(radians(course))"
+    )
+    figures = {"share": share, "standard_error": error}
+    return [Finding("fault", "surge_is_speed", ("surge",), message, advice, figures=figures)]
 
 
 def _unit(ratio: float, units: dict[str, float]) -> str | None:

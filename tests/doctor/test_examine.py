@@ -39,7 +39,11 @@ def twin(tmp_path_factory: pytest.TempPathFactory) -> Boat:
 
 @pytest.fixture(scope="module")
 def sound(twin: Boat) -> list[Run]:
-    """Three runs of a minute under wandering throttles, with the noise of RTK."""
+    return driven(twin, 0.25)
+
+
+def driven(twin: Boat, deviation: float) -> list[Run]:
+    """Three runs of a minute under throttles that wander by a deviation, with the noise of RTK."""
     rng = np.random.default_rng(4)
     time = np.arange(601) * STEP
     runs = []
@@ -47,10 +51,10 @@ def sound(twin: Boat) -> list[Run]:
         columns = {name: np.zeros(601) for name in ("north", "east", "heading", "surge", "sway", "yaw_rate")}
         columns |= {"time": time}
         for side in ("port", "starboard"):
-            columns[f"throttle_{side}"] = np.clip(0.5 + gauss_markov(rng, 601, 0.25, 4.0), -1.0, 1.0)
+            columns[f"throttle_{side}"] = np.clip(0.5 + gauss_markov(rng, 601, deviation, 4.0), -1.0, 1.0)
         run = dict(replay(twin, Run(f"run-{number}", columns)).columns)
-        for name, deviation in (("north", 0.02), ("east", 0.02), ("heading", 0.005), ("surge", 0.02)):
-            run[name] = run[name] + deviation * rng.standard_normal(601)
+        for name, error in (("north", 0.02), ("east", 0.02), ("heading", 0.005), ("surge", 0.02)):
+            run[name] = run[name] + error * rng.standard_normal(601)
         run["yaw_rate"] = run["yaw_rate"] + 0.005 * rng.standard_normal(601)
         run["heading"] = wrapped(run["heading"])
         runs.append(Run(f"run-{number}", {n: v for n, v in run.items() if not n.startswith("applied_")}))
@@ -249,6 +253,20 @@ def test_a_seeded_fault_is_named_with_its_column(what: str, sound: list[Run], tw
     found = faults([Run(run.name, change(dict(run.columns))) for run in sound], twin)
     assert any(finding.code == code and column in finding.columns for finding in found), found
     assert all("\n" not in str(finding) for finding in found)
+
+
+@pytest.mark.parametrize("unit", [1.0, 1.944], ids=["m/s", "kn"])
+def test_a_speed_over_ground_in_place_of_surge_is_named_where_a_boat_drifts(
+    unit: float, twin: Boat
+) -> None:
+    turning = driven(twin, 0.6)
+    assert faults(turning, twin) == []
+    fast = [
+        Run(run.name, run.columns | {"surge": unit * np.hypot(run.columns["surge"], run.columns["sway"])})
+        for run in turning
+    ]
+    (found,) = [one for one in faults(fast, twin) if one.code == "surge_is_speed"]
+    assert found.figures["share"] == pytest.approx(1.0, abs=0.15)
 
 
 def test_an_exchange_and_a_flip_are_reported_as_the_mapping_that_undoes_them(
