@@ -256,9 +256,7 @@ def test_a_seeded_fault_is_named_with_its_column(what: str, sound: list[Run], tw
 
 
 @pytest.mark.parametrize("unit", [1.0, 1.944], ids=["m/s", "kn"])
-def test_a_speed_over_ground_in_place_of_surge_is_named_where_a_boat_drifts(
-    unit: float, twin: Boat
-) -> None:
+def test_a_speed_over_ground_in_place_of_surge_is_named_where_a_boat_drifts(unit: float, twin: Boat) -> None:
     turning = driven(twin, 0.6)
     assert faults(turning, twin) == []
     fast = [
