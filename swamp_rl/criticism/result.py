@@ -323,12 +323,12 @@ class Diagnosis(Part):
     """The diagnosis.
 
     predictors: the boat file against trivial predictors. causes: by their share of the prediction error, the
-    largest first. minor: causes whose share is below 2 % and below the sensors' noise, or that are within the
-    boat file's errors, which the verdict leaves out. hypotheses: how many sets of effects were fitted;
-    discrete: those of them that have no number, as a swap of channels. nuisance: the hull's linear
-    derivatives, and the wind's coefficients, where they had to be fitted beside a cause; correlation: of the
-    errors of the parameters of `causes`, then of `nuisance`, in their order; extension: the force that no
-    named effect explains; next_steps: what to do where the verdict is `unexplained`; self_trial: how often
+    largest first. minor: causes whose share is below 2 %, or may be chance, and below the sensors' noise, or
+    that are within the boat file's errors, which the verdict leaves out. hypotheses: how many sets of effects
+    were fitted; discrete: those of them that have no number, as a swap of channels. nuisance: the hull's
+    linear derivatives, and the wind's coefficients, where they had to be fitted beside a cause; correlation:
+    of the errors of the parameters of `causes`, then of `nuisance`, in their order; extension: the force that
+    no named effect explains; next_steps: what to do where the verdict is `unexplained`; self_trial: how often
     the diagnosis finds its own answer again, none where it was not asked; noise: standard deviation by
     channel (SI, rad); wandering: Gauss-Markov part of the noise by channel; smoothed: channels that a filter
     smoothed; unseen: effects that are not identifiable from the data; hidden: those that are, but not beside

@@ -110,6 +110,12 @@ def test_a_cause_is_minor_only_below_two_percent_and_below_the_noise() -> None:
     assert not is_minor([], NOISE)
 
 
+def test_a_cause_whose_share_may_be_chance_is_minor_below_the_noise() -> None:
+    assert is_minor([share(2.0, 1.9, interval=(-0.1, 0.3))], NOISE)
+    assert not is_minor([share(2.0, 1.9, interval=(-0.1, 0.3)), share(2.0, 1.9)], NOISE)
+    assert not is_minor([share(2.0, 1.9, interval=(-0.1, 0.3), moved=0.2)], NOISE)
+
+
 def test_a_cause_without_a_share_is_minor_unless_it_moves_predictions_by_more_than_the_noise() -> None:
     assert is_minor([share(2.0, 2.1)], NOISE)
     assert not is_minor([share(2.0, 2.1, moved=0.2)], NOISE)

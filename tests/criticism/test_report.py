@@ -226,7 +226,8 @@ def test_what_the_errors_of_the_boat_file_allow_is_distinguished_from_what_chang
     within = LAG.model_copy(update={"within_boat_errors": True})
     both = diagnosis("cause", minor=[LAG, within.model_copy(update={"effect": "mass"})])
     assert minor_sentence(both) == (
-        "Significant, but minor: azimuth lag (below 2 % of every prediction error and below the noise). "
+        "Significant, but minor: azimuth lag (below the noise, and below 2 % of every prediction error or by "
+        "chance). "
         "Within the standard errors of the boat file's fitted numbers: mass."
     )
     alone = diagnosis("nothing_wrong", minor=[within])

@@ -138,13 +138,15 @@ def shares_of(
 
 
 def is_minor(shares: list[Share], noise: Mapping[str, float]) -> bool:
-    """Whether a cause's share of every error is below `minor`, or negative, and it moves every prediction by
-    less than the sensor's noise. Independent errors add in squares: their difference says little of a cause
-    beside a larger error.
+    """Whether a cause's share of every error is below `minor`, or negative, or may be chance, and it moves
+    every prediction by less than the sensor's noise. Independent errors add in squares: their difference says
+    little of a cause beside a larger error.
 
     noise: standard deviation by channel (SI, rad). False where no error could be measured.
     """
-    small = (one.without - one.with_cause < options().minor * one.without for one in shares)
+    small = (
+        one.without - one.with_cause < options().minor * one.without or one.ci95[0] < 0.0 for one in shares
+    )
     return all(small) and moves_less_than_noise(shares, noise)
 
 

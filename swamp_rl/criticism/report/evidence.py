@@ -69,7 +69,11 @@ def minor_sentence(found: Diagnosis) -> str:
     """The minor causes, by why they are."""
     parts = []
     for within, text in (
-        (False, "Significant, but minor: {} (below 2 % of every prediction error and below the noise)."),
+        (
+            False,
+            "Significant, but minor: {} (below the noise, and below 2 % of every prediction error "
+            "or by chance).",
+        ),
         (True, "Within the standard errors of the boat file's fitted numbers: {}."),
     ):
         labels = [cause.label for cause in found.minor if cause.within_boat_errors == within]
