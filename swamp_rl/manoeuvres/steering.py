@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import is_abeam
 from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.controller import Order, Pattern
@@ -31,7 +32,8 @@ def steering(boat: Boat, pattern: Pattern) -> Steering:
     Azimuth thrusters: `opposed` turns those forward of midship by the angle and those aft of it by its
     opposite; `bow` uses the forward ones alone, as the joypad did at Camogli; `parallel` turns all the same
     way, which pushes the boat aside. A rudder takes the angle. Fixed thrusters steer by their difference:
-    the inner side is throttled down, to nothing at 90 degrees. UserError where the boat cannot do so.
+    the inner side is throttled down, to nothing at 90 degrees; those that push abeam, such as a tunnel
+    thruster, stay at rest. UserError where the boat cannot do so.
     """
     _refuse_impossible(boat, pattern)
     return commands_of(boat, pattern)
@@ -54,15 +56,20 @@ def _refuse_impossible(boat: Boat, pattern: Pattern) -> None:
         raise UserError(
             f"pattern bow: boat {boat.name} has no azimuth thruster forward of midship; use opposed"
         )
-    steers = [t for t in jets if (t.kind == "azimuth" and t.x != 0.0) or (t.kind == "fixed" and t.y != 0.0)]
+    steers = [t for t in jets if not _rests(t) and (t.x if t.kind == "azimuth" else t.y) != 0.0]
     if not steers and len(jets) == len(boat.thrusters):
         raise UserError(f"boat {boat.name}: no thruster of it turns the boat; a trial needs one that does")
+
+
+def _rests(thruster: Thruster | PropellerRudder) -> bool:
+    """Whether it is fixed and pushes abeam, so that a trial leaves it at rest."""
+    return thruster.kind == "fixed" and is_abeam(thruster.azimuth_min)
 
 
 def refuse_astern(boat: Boat, names: Collection[str] | None = None) -> None:
     """UserError where some actuator of the boat, of those named, cannot push astern."""
     for thruster in boat.thrusters:
-        if names is not None and thruster.name not in names:
+        if _rests(thruster) or (names is not None and thruster.name not in names):
             continue
         if isinstance(thruster, PropellerRudder):
             able = thruster.revolutions_max_astern > 0.0
@@ -109,6 +116,8 @@ def _jet(thruster: Thruster, pattern: Pattern) -> Part:
 
 def _fixed(thruster: Thruster) -> Part:
     outward = float(np.sign(thruster.y))
+    if _rests(thruster):
+        return lambda order: (thruster.azimuth_min, 0.0)
 
     def part(order: Order) -> tuple[float, float]:
         inner = max(outward * order.angle * (-1.0 if order.astern else 1.0), 0.0)

@@ -15,9 +15,10 @@ from swamp_rl.manoeuvres.controller import Order, Phase, Trial
 from swamp_rl.manoeuvres.execute import STEP, Executed, execute
 from swamp_rl.manoeuvres.record import record_trials, run_of_trial
 from swamp_rl.manoeuvres.reverse_spiral import reverse_spiral
-from swamp_rl.manoeuvres.steering import steering
+from swamp_rl.manoeuvres.steering import refuse_astern, steering
 from swamp_rl.runs import read_dataset
 from swamp_rl.simulator.replay import replay
+from tests.support.from_scratch import with_tunnel, written
 
 DEG = math.radians(1.0)
 NORTH, EAST, HEADING, SURGE, SWAY, YAW_RATE = range(6)
@@ -243,6 +244,17 @@ def test_the_steering_turns_the_boat_the_same_way_ahead_and_astern(angle: float,
     assert np.sign(moment) == np.sign(angle)
     assert np.sign(forces[:, 0].sum()) == (-1.0 if astern else 1.0)
     assert forces[:, 1].sum() == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("astern", [False, True])
+def test_a_tunnel_thruster_rests_in_a_trial(tmp_path: Path, astern: bool) -> None:
+    plain = load_boat(written(tmp_path, "twin"))
+    boat = load_boat(with_tunnel(tmp_path / "twin.yaml"))
+    refuse_astern(boat)
+    order = Order(0.4, 0.6, astern)
+    angles, levels = np.split(steering(boat, "opposed")(order), 2)
+    assert np.append(angles[:2], levels[:2]) == pytest.approx(steering(plain, "opposed")(order))
+    assert levels[2] == 0.0
 
 
 def test_a_recorded_trial_replays_exactly_and_is_analysed_from_its_commands_alone(tmp_path: Path) -> None:

@@ -136,3 +136,13 @@ def written(folder: Path, name: str, **changes: Any) -> Path:
     path = folder / f"{name}.yaml"
     path.write_text(yaml.safe_dump(BOATS[name] | changes, sort_keys=False))
     return path
+
+
+def with_tunnel(path: Path, joypad: tuple[str, ...] = ("port", "starboard")) -> Path:
+    """The file of the boat at `path` with a tunnel thruster that pushes one way; joypad: what it drives."""
+    tunnel = path.with_name("with_tunnel.yaml")
+    abeam = {"kind": "fixed", "azimuth_min": 1.5708, "azimuth_max": 1.5708, "x": 0.3, "y": 0.0}
+    item = abeam | {"pump_time_constant": 0.1, "thrust_quadratic": 2.0}
+    content = {"extends": path.name, "joypad": {"thrusters": list(joypad)}, "thrusters": {"tunnel": item}}
+    tunnel.write_text(yaml.safe_dump(content))
+    return tunnel
