@@ -93,7 +93,8 @@ def pull_levers(throttle: float, angle: float, world: Any, command: Any) -> None
     """Fill `command` (2K,), azimuths [rad] then throttles [1], with what the two levers ask for."""
     thrusters = world.lever_swing.shape[0]
     for k in range(thrusters):
-        command[k] = world.lever_middle[k] + world.lever_swing[k] * angle
+        azimuth = world.lever_middle[k] + world.lever_swing[k] * angle
+        command[k] = min(max(azimuth, world.lever_least[k]), world.lever_most[k])
         level = world.lever_idle[k] + world.lever_gain[k] * throttle + world.lever_turn[k] * angle
         command[thrusters + k] = min(max(level, world.lever_low[k]), world.lever_high[k])
 

@@ -8,12 +8,14 @@ from numpy.typing import NDArray
 from swamp_rl.envs.reward import FURTHER, REWARD
 from swamp_rl.envs.task import Task
 
+from swamp_rl.angles import is_abeam
 from swamp_rl.boat import Thruster
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation.metrics import jet_areas
+from swamp_rl.simulator.parameters import parameters
 from swamp_rl.simulator.substeps import substeps_of
 
-LEVER_COLUMNS = ("middle", "swing", "idle", "gain", "turn", "low", "high")
+LEVER_COLUMNS = ("middle", "swing", "least", "most", "idle", "gain", "turn", "low", "high")
 
 
 @lru_cache(maxsize=64)
@@ -25,8 +27,8 @@ def world_record(thrusters: int) -> np.dtype[np.void]:
         + [("substeps", np.int64), ("last_tick", np.int64)]
         + [(f"reward_{term.name}", np.float64) for term in REWARD]  # weights
         + [("costs_further", np.int64), ("looks_further", np.int64)]  # 1 where any of these has a use
-        # A thruster's azimuth [rad] is middle + swing times the angle's lever, its throttle idle + gain times
-        # the other + turn times the angle's, within low and high.
+        # A thruster's azimuth [rad] is middle + swing times the angle's lever, within least and most; its
+        # throttle idle + gain times the other + turn times the angle's, within low and high.
         + [(f"lever_{name}", np.float64, (thrusters,)) for name in LEVER_COLUMNS]
         + [("thrust_linear", np.float64, (thrusters,)), ("thrust_quadratic", np.float64, (thrusters,))]  # N
         + [("jet_flow", np.float64, (thrusters,))]  # density of the water times the jets' areas [kg/m]
@@ -54,6 +56,8 @@ def world_of(task: Task) -> NDArray[np.void]:
     world["reach"] = reach
     for edge in ("south", "north", "west", "east"):
         world[f"{edge}_edge"] = getattr(course.bounds, edge)
+    limits = parameters(boat)
+    world["lever_least"], world["lever_most"] = limits["azimuth_min"], limits["azimuth_max"]
     low_azimuth, high_azimuth = boat.joypad.azimuth
     low_throttle, high_throttle = boat.joypad.throttle
     for k, thruster in enumerate(boat.thrusters):
@@ -87,4 +91,5 @@ def fixed_lever(thruster: Thruster) -> tuple[float, float]:
     """
     cos, sin = math.cos(thruster.azimuth_min), math.sin(thruster.azimuth_min)
     moment = thruster.x * sin - thruster.y * cos
-    return float(np.sign(round(cos, 6))), float(np.sign(round(moment, 6)))
+    ahead = 0.0 if is_abeam(thruster.azimuth_min) else np.sign(cos)
+    return float(ahead), float(np.sign(round(moment, 6)))

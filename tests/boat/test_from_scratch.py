@@ -17,7 +17,7 @@ from swamp_rl.simulator.state import ACTUATORS, HEADING
 from tests.support.boats import track
 from tests.support.command_line import Call
 from tests.support.command_line import call as call  # the fixture
-from tests.support.from_scratch import BOATS, written
+from tests.support.from_scratch import BOATS, with_tunnel, written
 
 SCALE = {
     "twin": 1.6,
@@ -120,6 +120,23 @@ def test_a_joypad_without_an_azimuth_turns_its_thrusters_as_far_as_they_go_or_60
     joypad = {key: value for key, value in BOATS[name]["joypad"].items() if key != "azimuth"}
     reach = load_boat(written(tmp_path, name, joypad=joypad)).joypad.azimuth
     assert reach == pytest.approx((-math.radians(degrees), math.radians(degrees)))
+
+
+def test_the_levers_command_no_azimuth_beyond_the_limits_of_a_thruster(tmp_path: Path) -> None:
+    joypad = BOATS["toy"]["joypad"] | {"azimuth": [-1.0, 1.0]}  # the thrusters turn by 0.7
+    env = GatesEnv(boat=written(tmp_path, "toy", joypad=joypad))
+    env.reset(seed=0)
+    env.step(np.array([0.5, 1.0], np.float32))
+    assert np.abs(env.fleet.commands[0, :2]) == pytest.approx([0.7, 0.7])
+
+
+def test_a_tunnel_thruster_takes_the_angle_s_lever_alone(tmp_path: Path) -> None:
+    env = GatesEnv(boat=with_tunnel(written(tmp_path, "twin"), ("port", "starboard", "tunnel")))
+    env.reset(seed=0)
+    env.step(np.array([0.6, 0.0], np.float32))
+    assert env.fleet.commands[0, 3:] == pytest.approx([0.6, 0.6, 0.0])
+    env.step(np.array([0.6, 0.3], np.float32))
+    assert env.fleet.commands[0, 3:] == pytest.approx([0.9, 0.3, 0.3])
 
 
 def test_a_course_is_laid_out_for_another_boat_by_its_scale(tmp_path: Path) -> None:
