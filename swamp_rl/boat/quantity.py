@@ -5,7 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
-from pydantic import BaseModel, GetCoreSchemaHandler
+from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from swamp_rl.explain import in_yaml
@@ -42,6 +43,21 @@ class Unit:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         return core_schema.no_info_before_validator_function(self.value_of, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        bare = handler(schema)
+        spread = {"type": "number", "minimum": 0}
+        keys = {
+            "value": bare,
+            "unit": {"const": self.name},
+            "provenance": {"enum": list(ORIGINS)},
+            "source": {"type": "string", "minLength": 1},
+            SPREAD: {"anyOf": [spread, {"type": "array", "items": spread}]},
+        }
+        whole = {"type": "object", "properties": keys, "required": list(KEYS), "additionalProperties": False}
+        return {"anyOf": [bare, whole]}
 
     def value_of(self, given: Any) -> Any:
         """The value inside a quantity; what is not a mapping is passed on as a bare value."""

@@ -31,6 +31,11 @@ class EffectEntry:
     values: Mapping[str, float] = field(hash=False)
     curve: Curve | None = None
 
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: Any, handler: Any) -> dict[str, Any]:
+        """Of an entry as it stands in a file."""
+        return {"type": "object", "properties": {"effect": {"enum": list(LIBRARY)}}}
+
 
 def entry_mapping(entry: EffectEntry) -> dict[str, Any]:
     """An effect as it stands in a file."""
