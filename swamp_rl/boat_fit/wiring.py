@@ -139,6 +139,14 @@ class _Trial:
         names = [number.name for number in self.hypothesis(boat).numbers]
         return names.index("effects.command_delay.delay")
 
+    def obeyed(self, boat: Boat) -> bytes:
+        """The commands in the runs that each thruster of the boat obeys."""
+        wired = parameters(boat)[0]
+        angles, levels = np.split(self.run_set.commands, 2, axis=2)
+        channel = wired["channel"].astype(int)
+        signed = wired["azimuth_sign"] * angles[..., channel], wired["throttle_sign"] * levels[..., channel]
+        return b"".join((part + 0.0).tobytes() for part in signed)  # without the sign of zero
+
     def fitted(
         self, boat: Boat, delay: float | None = None, advance: float | None = None, steps: int = STEPS
     ) -> tuple[float, Array]:
@@ -147,7 +155,7 @@ class _Trial:
         """
         delay = self.delay if delay is None else delay
         advance = self.advance if advance is None else advance
-        key = _commands_of(boat), delay, advance, steps
+        key = self.obeyed(boat), delay, advance, steps
         if key not in self.made:
             self.made[key] = self._fitted(boat, delay, advance, steps)
             LOG.debug("delay %g s, advance %g s, %d steps: chi2 %.0f", *key[1:], self.made[key][0])
@@ -189,30 +197,26 @@ def _some_runs(run_set: RunSet) -> RunSet:
     return run_set.subset(sorted({int(i) for i in np.linspace(0, len(run_set.lengths) - 1, count).round()}))
 
 
-def _commands_of(boat: Boat) -> bytes:
-    """Which command each thruster obeys, and with which sign."""
-    record = parameters(boat)
-    return b"".join(record[field].tobytes() for field in ("channel", "azimuth_sign", "throttle_sign"))
-
-
 def _best_combination(trial: _Trial, changes: list[Change]) -> tuple[float, list[Change]]:
-    """chi2 and the changes of the best combination, none of them where it is not clearly better.
+    """chi2 and the changes of the best combination, none of them where it is not clearly better."""
+    every = [list(some) for n in range(1, len(changes) + 1) for some in itertools.combinations(changes, n)]
+    least = trial.fitted(trial.run_set.boat)[0]
+    return _best_of(trial, [], every, least) or (least, [])
 
-    Of combinations with one outcome, such as both thrusters reversed and each of two, the shortest is tried.
+
+def _best_of(
+    trial: _Trial, taken: list[Change], every: list[list[Change]], least: float
+) -> tuple[float, list[Change]] | None:
+    """chi2 and changes of the best of several wirings where it is clearly better than `taken`, of `least`.
+
+    Of wirings by which the thrusters obey the same commands in these runs, such as an exchange of equal
+    commands and none, the first is tried. Only the most likely ones by a shorter fit are fitted in full, and
+    none that are far from `least` there.
     """
-    boat, shortest = trial.run_set.boat, dict[bytes, list[Change]]()
-    for count in range(len(changes) + 1):
-        for some in itertools.combinations(changes, count):
-            shortest.setdefault(_commands_of(rewired(boat, some)), list(some))
-    least = trial.fitted(boat)[0]
-    return _best_of(trial, [some for some in shortest.values() if some], least) or (least, [])
-
-
-def _best_of(trial: _Trial, every: list[list[Change]], least: float) -> tuple[float, list[Change]] | None:
-    """chi2 and changes of the best of several wirings where it is clearly better than `least`.
-
-    Only the most likely ones by a shorter fit are fitted in full, and none that are far from `least` there.
-    """
+    distinct = {trial.obeyed(rewired(trial.run_set.boat, taken)): taken}
+    for some in every:
+        distinct.setdefault(trial.obeyed(rewired(trial.run_set.boat, some)), some)
+    every = list(distinct.values())[1:]
     boats = [rewired(trial.run_set.boat, some) for some in every]
     glance = [chi2 for chi2, _ in each(lambda boat: trial.fitted(boat, steps=1), boats)]
     likely = [i for i in np.argsort(glance)[:LIKELY] if glance[i] < FAR * least]
@@ -229,7 +233,7 @@ def _one_by_one(trial: _Trial, changes: list[Change]) -> tuple[float, list[Chang
     least = trial.fitted(trial.run_set.boat)[0]
     while len(taken) < len(trial.run_set.boat.thrusters):
         every = [[*taken, change] for change in changes if change not in taken]
-        found = _best_of(trial, every, least)
+        found = _best_of(trial, taken, every, least)
         if found is None:
             break
         least, taken = found

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from swamp_rl.boat_fit.command_offset import command_offset
 from swamp_rl.boat_fit.wiring import search_wiring
 from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
+from swamp_rl.simulator import parameters
 from tests.support.from_scratch import written
 from tests.support.sailing import sailed_dataset
 
@@ -87,3 +89,25 @@ def test_the_search_for_the_wiring_fits_to_two_minutes_of_long_runs(
     )
     search_wiring(long, noise_levels(wired))
     assert max(fitted) == pytest.approx(120.0, rel=0.2)
+
+
+def test_an_exchange_of_equal_commands_takes_no_place_among_the_wirings_that_are_fitted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boat = load_boat(written(tmp_path, "ferry"))
+    rows = 300
+    angles, levels = np.sin(0.05 * np.arange(rows)), np.full(rows, 0.5)
+    commands = np.stack([angles, angles, levels, levels], axis=1)[None]
+    measured = np.random.default_rng(0).standard_normal((1, rows, 6))
+    runs = RunSet(boat, 0.1, ("run",), commands, measured, np.array([rows]))
+    glance = {(1, 1): 9000.0, (-1, 1): 8000.0, (1, -1): 1250.0, (-1, -1): 953.0}
+    whole = glance | {(1, -1): 300.0, (-1, -1): 716.0}
+
+    def quick(run_set: RunSet, *given: Any) -> tuple[None, SimpleNamespace]:
+        bow, stern = np.sign(parameters(run_set.boat)["azimuth_sign"][0]).astype(int)
+        chi2 = (glance if given[4] == 1 else whole)[bow, stern]
+        return None, SimpleNamespace(chi2=chi2, x=given[3])
+
+    monkeypatch.setattr(wiring, "fit_windows", quick)
+    found = search_wiring(runs, noise_levels(runs))
+    assert found.changes == ("the azimuth of stern has the other sign",)
