@@ -49,12 +49,21 @@ HINTS = {
 
 
 def os_error(error: OSError, path: Path | str) -> UserError:
-    """The operating system's refusal as one line; `path` is named where the error itself names no file."""
+    """The operating system's refusal as one line. It names the file that `error` names, or `path` where that
+    is none or a hidden one; a folder that is being built, by the name that it will have."""
     named = error.filename if isinstance(error.filename, str | Path) else None
-    hidden = named is not None and any(part.startswith(UNFINISHED) for part in Path(named).parts)
-    where = path if named is None or hidden else named
+    where = path if named is None or _built(Path(named)) else named
     hint = HINTS.get(error.errno or 0, "check the name and the permissions")
-    return UserError(f"{clipped(where, 300)}: {error.strerror or error}; {hint}")
+    return UserError(f"{clipped(_built(Path(where)) or where, 300)}: {error.strerror or error}; {hint}")
+
+
+def _built(path: Path) -> Path | None:
+    """The place of what is being built and holds `path` or is it; None if nothing is."""
+    for place in reversed((path, *path.parents)):
+        for prefix in UNFINISHED:
+            if place.name.startswith(prefix):
+                return place.with_name(place.name.removeprefix(prefix))
+    return None
 
 
 @contextmanager

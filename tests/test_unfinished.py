@@ -11,6 +11,7 @@ import pytest
 
 from swamp_rl import unfinished
 from swamp_rl.errors import UserError
+from swamp_rl.files import write_beside
 from swamp_rl.replacement import WRITTEN
 from swamp_rl.unfinished import folder_beside, locked, taken_up
 
@@ -287,3 +288,11 @@ def test_what_another_user_laid_down_as_an_earlier_life_is_not_taken_up(
     monkeypatch.setattr(os, "geteuid", lambda: owner + 1)
     with pytest.raises(UserError, match="belongs to another user"), taken_up(tmp_path / "out", (), SAME):
         raise AssertionError("work is begun")
+
+
+def test_a_full_disk_names_the_folder_that_was_asked_for(tmp_path: Path) -> None:
+    target = tmp_path / "out"
+    for folder in (folder_beside(target), taken_up(target, (), {})):
+        with pytest.raises(UserError) as caught, folder as part, write_beside(part / "a" / "b.txt"):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        assert str(caught.value) == f"{target}: No space left on device; free some room"
