@@ -46,6 +46,11 @@ def file_in(folder: Path, name: str, suffixes: Collection[str]) -> Path:
         path = folder / plain_name(name, suffixes)
     except ValueError as error:
         raise UserError(f"{folder}: {error}") from error
+    refuse_link(path)
+    return path
+
+
+def refuse_link(path: Path) -> None:
+    """UserError where a path in a folder of someone else is a link, which may lead to any file."""
     if path.is_symlink():
         raise UserError(f"{path}: is a link; put a copy of the file in its place")
-    return path

@@ -30,14 +30,14 @@ def new_since(folder: Path, name: str) -> Iterator[str]:
     except (OSError, UnicodeDecodeError):
         lines = []
     sums = {match[2]: match[1] for match in map(_LINE.fullmatch, lines) if match}
-    for path in _all_but_folders(folder):
+    for path in all_but_folders(folder):
         found = path.relative_to(folder).as_posix()
         same = found in sums and not path.is_symlink() and path.is_file() and _digest(path) == sums[found]
         if not same and found != name:
             yield found
 
 
-def _all_but_folders(folder: Path) -> list[Path]:
+def all_but_folders(folder: Path) -> list[Path]:
     """The files, links and the like in and below a folder, sorted; OSError for a folder not readable."""
     found = []
     for top, folders, files in os.walk(folder, onerror=_raise):

@@ -11,8 +11,12 @@ from swamp_rl.experiments.artifacts.stages import Stages, stages
 from swamp_rl.experiments.config.scene import Scene
 
 from swamp_rl.errors import UserError
+from swamp_rl.files import os_error, write_beside
 from swamp_rl.json_text import read_json
+from swamp_rl.names import refuse_link
 from swamp_rl.one_thread import one_thread
+from swamp_rl.ordinary import contents
+from swamp_rl.sums import all_but_folders
 from swamp_rl.unfinished import taken_up
 
 SECONDS = "seconds.json"
@@ -44,13 +48,14 @@ def same_job(folder: Path, scene: Scene) -> bool:
 
 
 def _take_over(trained: Path, part: Path) -> None:
-    """Copy what is TAKEN, each folder whole or not at all, and the times that it took."""
+    """Copy what is TAKEN, each folder whole or not at all, and its times; UserError for links."""
+    for top in [trained / Path(name).parts[0] for name in TAKEN]:
+        refuse_link(top)
     for folder in [folder for name in TAKEN for folder in sorted(trained.glob(name))]:
         target = part / folder.relative_to(trained)
         if not folder.name.startswith(".") and not target.exists():
             target.parent.mkdir(exist_ok=True)
-            copied = shutil.copytree(folder, target.with_name(f".part-{target.name}"))
-            Path(copied).rename(target)
+            _copied(folder, target.with_name(f".part-{target.name}")).rename(target)
     for mark in (RESULTS, TRAINED):
         if (trained / mark).is_file() and not (part / WORK / SECONDS).exists():
             measured = read_json(trained / mark, "train again into another folder").get("measured")
@@ -60,3 +65,18 @@ def _take_over(trained: Path, part: Path) -> None:
             earlier = {name: value for name, value in took.items() if name.startswith(("record", "train"))}
             (part / WORK).mkdir(exist_ok=True)
             (part / WORK / SECONDS).write_text(json.dumps(earlier), encoding="utf-8")
+
+
+def _copied(folder: Path, target: Path) -> Path:
+    """A new folder of the same files; UserError unless they are ordinary ones of this folder."""
+    refuse_link(folder)
+    target.mkdir()
+    for path in all_but_folders(folder):
+        refuse_link(path)
+        try:
+            held = contents(path, follow=False)
+        except OSError as error:
+            raise os_error(error, path) from error
+        with write_beside(target / path.relative_to(folder)) as file:
+            file.write_bytes(held)
+    return target
