@@ -20,6 +20,11 @@ TABLES = {
     "trials": "CREATE TABLE trials (number INTEGER PRIMARY KEY, trial TEXT)",
     "plan": "CREATE TABLE plan (plan TEXT)",
 }
+HINTS = {
+    sqlite3.SQLITE_BUSY: "is another sweep at work there? wait for it, or name --out",
+    sqlite3.SQLITE_FULL: "free some room",
+}
+"""By the primary code of an error of SQLite (https://sqlite.org/rescode.html)."""
 LONGEST_TOLD = 60
 "Characters of a setting in a message."
 LONGEST = 2**24
@@ -118,15 +123,19 @@ def opened(folder: Path, plan: dict[str, Any]) -> Iterator[Store]:
     except OSError as error:
         raise UserError(f"{path}: {error.strerror}; name another folder with --out") from error
     except sqlite3.OperationalError as error:
-        raise UserError(
-            f"{path}: {error}; is another sweep at work there? wait for it, or name --out"
-        ) from error
+        hint = HINTS.get(_code(error), "check its permissions, or name another folder with --out")
+        raise UserError(f"{path}: {error}; {hint}") from error
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
         raise UserError(f"{path}: {error}; name another folder with --out, or remove it") from error
     finally:
         if connection is not None:
             _unlock(connection)
             connection.close()
+
+
+def _code(error: sqlite3.Error) -> int:
+    """The primary code of an error of SQLite, 0 of one of Python's module: a text that is not UTF-8."""
+    return getattr(error, "sqlite_errorcode", 0) & 0xFF
 
 
 def _unlock(connection: sqlite3.Connection) -> None:

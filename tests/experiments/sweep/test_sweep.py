@@ -9,6 +9,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -194,6 +195,23 @@ def test_a_sweep_does_not_go_on_with_a_boat_file_that_has_changed_since(
     boat.write_text("extends: swamp\nname: mine\nmass: 70.0\n")
     with pytest.raises(UserError, match="other settings"):
         run_sweep(file, out=tmp_path / "out", workers=1)
+
+
+def test_a_full_disk_is_not_taken_for_another_sweep(tmp_path: Path) -> None:
+    full = sqlite3.connect(":memory:")
+    full.execute("PRAGMA max_page_count = 1")
+    with pytest.raises(UserError) as caught, opened(tmp_path, {"seed": 0}):
+        full.execute("CREATE TABLE more (name TEXT)")
+    assert str(caught.value) == f"{tmp_path}/trials.sqlite: database or disk is full; free some room"
+
+
+def test_a_plan_that_is_not_utf8_is_refused_in_one_line(tmp_path: Path) -> None:
+    with opened(tmp_path, {"seed": 0}):
+        pass
+    with closing(sqlite3.connect(tmp_path / "trials.sqlite")) as damaged, damaged:
+        damaged.execute("UPDATE plan SET plan = CAST(X'ff' AS TEXT)")
+    with pytest.raises(UserError, match="Could not decode to UTF-8"), opened(tmp_path, {}):
+        pass
 
 
 def test_another_sweep_or_a_second_process_is_kept_out_of_a_folder(tmp_path: Path) -> None:
