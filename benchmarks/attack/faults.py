@@ -5,9 +5,9 @@ ENOSPC, EIO, EMFILE, EACCES at the Nth open, write, fsync, rename, close.
 python -m benchmarks.attack faults [--only COMMAND] [--count PLACES]
 
 A case is one command with one refusal, once or from then on, in a folder of its own. It is unexplained unless
-the command ends well, or with one line on the error stream and status 2; its inputs are unchanged; what it
-was to write is there as a whole or not at all; and, of the recorder, every accepted run is there and sails
-again to the bit.
+the command ends well, or with one line on the error stream and status 2; that line names nothing hidden where
+a write failed; its inputs are unchanged; what it was to write is there as a whole or not at all; and, of the
+recorder, every accepted run is there and sails again to the bit.
 """
 
 import errno
@@ -220,6 +220,12 @@ COMMANDS = {
         places=SLOW_PLACES,
         warmed_by="train",  # rerun, which writes its recordings, is not to be used on both sides of a fork
     ),
+    "evaluate": Command(
+        verb("evaluate", "{}/inputs/trained", "--out", "{}/out"), left=(".part-out",), warmed_by="train"
+    ),
+    "compare": Command(
+        verb("compare", "{}/inputs/results", "{}/inputs/others", "--out", "{}/out", "--seed", "1"),
+    ),
     "sweep": Command(
         verb(
             *("sweep", "{}/inputs/sweep.yaml", "--set", "data.folder={}/inputs/runs"),
@@ -250,6 +256,13 @@ def prepare(inputs: Path) -> None:
         failed=0,
     )
     write_run(inputs / "log.csv", read_dataset(inputs / "runs").runs[0])
+    for what, out, seed in (("train", "trained", 1), ("run", "results", 1), ("run", "others", 2)):
+        words = (what, "{}/tiny.yaml", "--set", f"evaluation.seed={seed}", "--out", f"{{}}/{out}")
+        ended = forked(
+            lambda words=words: verb(*words)(inputs), LIMIT
+        )  # rerun is not to be used here as well
+        if ended.code != 0:
+            raise RuntimeError(f"{what} fails without a fault: {ended}")
 
 
 TIMED = re.compile(r"(?<=tfevents)\..*")
@@ -305,6 +318,8 @@ class Attack:
             return f"ends with {ended.code}: {lines[-1] if lines else ''}"
         if ended.code == 2 and (len(lines) != 1 or not lines[0].startswith("swamp-rl: ")):
             return f"says {len(lines)} lines: {lines[-3:]}"
+        if kind not in ("open", "close") and any(hidden in ended.err for hidden in UNFINISHED):
+            return f"names what is hidden: {lines[-1]}"  # of what is read, its place is named
         if "Traceback" in ended.err:
             return f"traceback: {lines[-1]}"
         if tree(case / "inputs") != self.inputs:
