@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from swamp_rl.boat.magnitude import MOST
 from swamp_rl.boat.part import FILLED, FROM_LIST, NOT_NEGATIVE, PRINTED, Part
 
 Correlation = Annotated[float, Field(ge=-1, le=1)]
@@ -18,7 +19,7 @@ class Covariance(Part):
     "Runs that the numbers were fitted to."
     numbers: Annotated[tuple[str, ...], FROM_LIST, FILLED, Field(max_length=1000)]
     "Names, as in the report of `identify boat`."
-    standard_errors: Annotated[tuple[Annotated[float, NOT_NEGATIVE], ...], FROM_LIST]
+    standard_errors: Annotated[tuple[Annotated[float, NOT_NEGATIVE, Field(le=MOST)], ...], FROM_LIST]
     "Of each, as it is fitted: of a number that keeps its sign, of its logarithm."
     correlation: Annotated[tuple[Annotated[tuple[Correlation, ...], FROM_LIST], ...], FROM_LIST]
     "Of the errors: row i has those with the numbers before number i, the first row none."

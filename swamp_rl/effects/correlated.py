@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from swamp_rl.clipped import clipped
 from swamp_rl.effects.distributions import Array, each
 from swamp_rl.effects.entries import is_number
 from swamp_rl.effects.random_entry import RandomEntry
@@ -56,20 +57,21 @@ def parse_correlated(
         raise UserError(f"{where}: must be {{numbers: [0.north, 0.east], matrix: [[1, 0.5], [0.5, 1]]}}")
     numbers = given["numbers"]
     if not isinstance(numbers, list) or len({str(name) for name in numbers}) < max(len(numbers), 2):
-        raise UserError(f"{where}: numbers must be a list of two or more, each once, not {numbers!r}")
-    columns = tuple(_column(name, entries, first_columns, where) for name in numbers)
+        raise UserError(f"{where}: numbers must be a list of two or more, each once")
+    known = {
+        f"{index}.{name}": first + entry.column(name)
+        for index, (entry, first) in enumerate(zip(entries, first_columns, strict=False))
+        for name, value in entry.values.items()
+        if value.kind == "normal"
+    }
+    for name in map(str, numbers):
+        if name not in known:
+            raise UserError(
+                f"{where}: {clipped(name)!r} is not a parameter with a normal distribution; name it as "
+                "0.north: the place of its effect in effects and its own name"
+            )
+    columns = tuple(known[str(name)] for name in numbers)
     return Correlated(columns, factor_of(given["matrix"], len(numbers), where))
-
-
-def _column(name: Any, entries: Sequence[RandomEntry], first_columns: Sequence[int], where: str) -> int:
-    index, _, parameter = str(name).partition(".")
-    entry = entries[int(index)] if index.isdecimal() and int(index) < len(entries) else None
-    if entry is None or entry.values.get(parameter) is None or entry.values[parameter].kind != "normal":
-        raise UserError(
-            f"{where}: {name!r} is not a parameter with a normal distribution; name it as 0.north: the "
-            "place of its effect in effects and its own name"
-        )
-    return first_columns[int(index)] + entry.column(parameter)
 
 
 def factor_of(given: Any, size: int, where: str) -> Array:

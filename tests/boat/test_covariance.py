@@ -47,6 +47,7 @@ def test_errors_change_no_digest(tmp_path: Path) -> None:
         ("0.2, 0.03", "0.2", "standard_errors: must be 3, one of each number"),
         ("inertia_z", "mass", "numbers: must differ"),
         ("0.1", "-0.1", "covariance.standard_errors.0: must be at least 0"),
+        ("0.1", "1.0e+200", "covariance.standard_errors.0: must be at most 1e+20"),
     ],
 )
 def test_errors_that_are_no_triangle_of_correlations_are_refused(

@@ -192,6 +192,10 @@ def test_a_number_that_is_certain_is_left_out_of_what_is_drawn_together(tmp_path
             {"numbers": ["0.north", "3.east"], "matrix": [[1, 0], [0, 1]]},
             "'3.east' is not a parameter with a normal distribution",
         ),
+        (
+            {"numbers": ["0.north", f"{'9' * 5000}.east"], "matrix": [[1, 0], [0, 1]]},
+            "'99.*99.east' is not a parameter with a normal distribution",
+        ),
         ({"numbers": ["0.north", "0.east"], "matrix": [[1, 0]]}, "2 rows of 2 numbers"),
         ({"numbers": ["0.north", "0.east"], "matrix": [[1, 2], [2, 1]]}, "none of correlations"),
         ({"numbers": ["0.north", "0.east"], "matrix": [[1, 0.5], [0.4, 1]]}, "none of correlations"),
