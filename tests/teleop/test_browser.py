@@ -304,8 +304,8 @@ def test_in_a_small_window_the_chart_is_drawn_behind_the_panels(
         page = open_page(address)
         page.set_viewport_size({"width": 480, "height": 320})
         page.wait_for_function(
-            "((x, y) => 0 < x && x < innerWidth && 0 < y && y < innerHeight)"
-            "(...swamp.place(swamp.frame.pose[0], swamp.frame.pose[1]))"
+            "((at) => at && 0 < at[0] && at[0] < innerWidth && 0 < at[1] && at[1] < innerHeight)"
+            "(swamp.place(swamp.frame.pose[0], swamp.frame.pose[1]))"
         )
         page.screenshot(path=tmp_path / "small.png")
 

@@ -19,7 +19,7 @@ const replay = new Replay();
 const latencies = [];
 let socket, scene, frame, status = {}, trail = [], arrived = 0, asked = null, sentAt = 0, last = performance.now(), reconnect = 300;
 let waited = 0, odd = false;
-window.swamp = { get frame() { return frame; }, get status() { return status; }, latencies, received: 0, place: (north, east) => chart.place(north, east) }; // for tests
+window.swamp = { get frame() { return frame; }, get status() { return status; }, latencies, received: 0, place: (north, east) => chart.camera && chart.place(north, east) }; // for tests; no place before the first drawing
 
 function connect() {
   socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
