@@ -6,10 +6,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.smooth import Motion
+
+Array = NDArray[np.float64]
 
 ALIGNED = 0.8
 """Mean resultant length of course minus heading, weighted by speed squared, from which the two are taken as
@@ -24,10 +27,10 @@ TIED = 0.7
 SPEEDS = {"kn": 1.0 / KNOT, "km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0, "ft/s": 1.0 / FOOT}
 TURNS = {"deg/s": 180.0 / math.pi, "rpm": 30.0 / math.pi}
 EXCESS = 0.5
-"""Share of the difference between speed and velocity along the heading, above which surge is the speed: it
-has none of it, the speed all."""
+"""Share of the difference between speed and velocity along the heading, above which surge is taken for the
+speed: surge contains none of the difference, the speed all."""
 CERTAIN = 2.5
-"""Standard errors by which the share must be above it."""
+"""Standard errors by which the share must exceed `EXCESS`."""
 UNIT_TOLERANCE = 0.25
 """Of the logarithm of a ratio: half the distance between knots and feet per second, or 1 and knots, is 0.23
 and 0.33."""
@@ -40,7 +43,13 @@ def kinematic_findings(motions: Sequence[Motion]) -> tuple[list[Finding], list[M
     found: list[Finding] = []
     heading, motions = _heading_against_course(motions)
     turning = _yaw_rate_against_heading(motions)
-    found += heading + turning + _surge_against_speed(motions) + _speed_for_surge(motions)
+    found += heading + turning
+    known = [one for one in motions if one.surge is not None]
+    if known:
+        surge = np.concatenate([one.surge for one in known if one.surge is not None])
+        velocity = np.concatenate([one.velocity * np.conj(one.direction) for one in known])
+        found += _surge_against_speed(known, surge, velocity.real)
+        found += _speed_for_surge(known, surge, velocity)
     signs = [finding.figures.get("sign", 1.0) for finding in turning]
     if signs and signs[0] < 0.0:
         motions = [one if one.yaw_rate is None else replace(one, yaw_rate=-one.yaw_rate) for one in motions]
@@ -157,12 +166,8 @@ def _yaw_rate_against_heading(motions: Sequence[Motion]) -> list[Finding]:
     return found
 
 
-def _surge_against_speed(motions: Sequence[Motion]) -> list[Finding]:
-    known = [one for one in motions if one.surge is not None]
-    if not known:
-        return []
-    given = np.concatenate([one.surge for one in known if one.surge is not None])
-    moved = np.concatenate([np.real(one.velocity * np.conj(one.direction)) for one in known])
+def _surge_against_speed(known: Sequence[Motion], given: Array, moved: Array) -> list[Finding]:
+    """given, moved: (N,) surge and velocity along the heading [m/s] of all motions `known`."""
     size = float(np.linalg.norm(given) * np.linalg.norm(moved))
     if size == 0.0 or abs(float(given @ moved)) < TIED * size:
         return []
@@ -185,28 +190,26 @@ def _surge_against_speed(motions: Sequence[Motion]) -> list[Finding]:
     return found
 
 
-def _speed_for_surge(motions: Sequence[Motion]) -> list[Finding]:
+def _speed_for_surge(known: Sequence[Motion], given: Array, moved: NDArray[np.complex128]) -> list[Finding]:
     """Whether surge is the speed over ground, by regression on the velocity along and across the heading,
-    which a constant error of the heading mixes, and on what the speed exceeds the one along it by."""
-    known = [(one, one.surge) for one in motions if one.surge is not None]
-    if not known:
-        return []
-    given = np.concatenate([surge for _, surge in known])
-    moved = np.concatenate([one.velocity * np.conj(one.direction) for one, _ in known])
+    which a constant error of the heading mixes, and on the difference between the speed and the first.
+
+    given, moved: (N,) surge, velocity along + i across the heading [m/s] of all motions `known`.
+    """
     by = np.column_stack([moved.real, moved.imag, np.abs(moved) - moved.real])
     found, _, rank, _ = np.linalg.lstsq(by, given, rcond=1e-9)
     along, _, excess = found.tolist()
     if rank < by.shape[1] or along <= 0.0:
         return []
     left = given - by @ found
-    rows = float(np.mean([one.rows for one, _ in known]))  # of a window, whose errors are one
+    rows = float(np.mean([one.rows for one in known]))  # of a window, whose errors are correlated
     error = float(np.sqrt(np.mean(left**2) * rows * np.linalg.inv(by.T @ by)[2, 2])) / along
     share = excess / along
     if not share - EXCESS > CERTAIN * error:
         return []
     message = (
-        f"is the speed over ground: of what that exceeds the velocity along the heading by, surge has "
-        f"{share:.2f} ± {error:.2f} (standard error); it should have none"
+        f"is the speed over ground: it contains {share:.2f} ± {error:.2f} (standard error) of the difference "
+        "between that and the velocity along the heading, of which a surge contains none"
     )
     advice = (
         "leave it out, or import it with the course over ground: velocity_north=speed*cos(radians(course)), "
