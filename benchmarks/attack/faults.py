@@ -19,6 +19,7 @@ from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -257,10 +258,8 @@ def prepare(inputs: Path) -> None:
     )
     write_run(inputs / "log.csv", read_dataset(inputs / "runs").runs[0])
     for what, out, seed in (("train", "trained", 1), ("run", "results", 1), ("run", "others", 2)):
-        words = (what, "{}/tiny.yaml", "--set", f"evaluation.seed={seed}", "--out", f"{{}}/{out}")
-        ended = forked(
-            lambda words=words: verb(*words)(inputs), LIMIT
-        )  # rerun is not to be used here as well
+        command = verb(what, "{}/tiny.yaml", "--set", f"evaluation.seed={seed}", "--out", f"{{}}/{out}")
+        ended = forked(partial(command, inputs), LIMIT)  # rerun may only be used on one side of a fork
         if ended.code != 0:
             raise RuntimeError(f"{what} fails without a fault: {ended}")
 
@@ -319,7 +318,7 @@ class Attack:
         if ended.code == 2 and (len(lines) != 1 or not lines[0].startswith("swamp-rl: ")):
             return f"says {len(lines)} lines: {lines[-3:]}"
         if kind not in ("open", "close") and any(hidden in ended.err for hidden in UNFINISHED):
-            return f"names what is hidden: {lines[-1]}"  # of what is read, its place is named
+            return f"names what is hidden: {lines[-1]}"  # a file that cannot be read is named where it is
         if "Traceback" in ended.err:
             return f"traceback: {lines[-1]}"
         if tree(case / "inputs") != self.inputs:

@@ -42,7 +42,7 @@ def _within(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
     return getattr(work, "__wrapped__", work)
 
 
-def forked(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
+def read_in_fork(work: Callable[[Path], Any]) -> Callable[[Path], Any]:
     """In a fork, which starts sooner, what `apart` does in a new process; AssertionError beyond `HANG`, and
     beyond 1 GiB more than this process holds.
     """
@@ -213,7 +213,7 @@ FOLDER_FORMATS: dict[str, tuple[Make, Read]] = {
     "doctor, lerobot swamp_rl.json": (_exported("lerobot", "swamp_rl.json"), _doctored(1)),
     "doctor, lerobot frames.parquet": (_exported("lerobot", "data/**/file-000.parquet"), _doctored(2)),
     "doctor, minari metadata.json": (_exported("minari", "metadata.json"), _doctored(1)),
-    "doctor, minari main_data.hdf5": (_exported("minari", "main_data.hdf5"), _doctored(1, forked)),
+    "doctor, minari main_data.hdf5": (_exported("minari", "main_data.hdf5"), _doctored(1, read_in_fork)),
     "results, experiment.yaml": (_results("experiment.yaml"), _listed),
     "results.json": (_results("results.json"), _listed),
     "results, versions.json": (_results("versions.json"), _listed),

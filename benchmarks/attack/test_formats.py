@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies
 
-from benchmarks.attack.folder_formats import forked
+from benchmarks.attack.folder_formats import read_in_fork
 from benchmarks.attack.formats import FORMATS, outcome
 from benchmarks.attack.fuzz import HANG
 from swamp_rl.errors import UserError
@@ -173,7 +173,7 @@ def test_the_memory_of_a_fork_is_what_it_takes_beside_what_it_inherits(
     tmp_path: Path, before: int, after: int, refused: bool
 ) -> None:
     held = np.ones(before, np.uint8)
-    work = forked(lambda path: int(np.ones(after, np.uint8)[-1]))
+    work = read_in_fork(lambda path: int(np.ones(after, np.uint8)[-1]))
     if refused:
         with pytest.raises(AssertionError, match="holds"):
             work(tmp_path)
