@@ -20,6 +20,7 @@ from swamp_rl.criticism.inference.boat_errors import beside_boat_errors
 from swamp_rl.criticism.inference.cause_share import (
     CauseList,
     Witness,
+    in_its_weather,
     list_causes,
     without_equal_rivals,
     witnesses,
@@ -39,7 +40,7 @@ from swamp_rl.criticism.inference.self_trial import TWINS, Each, Method, self_tr
 from swamp_rl.criticism.inference.special_cases import with_sufficient_special_cases
 from swamp_rl.criticism.inference.unidentifiable import with_neutral_values
 from swamp_rl.criticism.likelihood.adequacy import adequacy
-from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss, judged_numbers
+from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.likelihood.prediction_error import gains, trivial_predictors
@@ -160,6 +161,7 @@ def examine(
     measure = adequacy(judged, in_noise_units(found.winner, judged, weight))
 
     LOG.info("confirmation on held-out runs, prediction errors")
+    on = in_its_weather(on, continuation, found.winner, found.stage)
     where = witnesses(on, rng)
     written, shares, left_out = written_fit(continuation, found.winner, found.stage, where, rng)
     listed = list_causes(judged, found, shares, left_out, noise, within)
@@ -209,7 +211,7 @@ def examine(
         unseen=[label for label in found.unidentifiable if label not in seen.union(hidden)],
         hidden=hidden,
         missing_motion=lacks,
-        gain=gains(on.run_set, on.weight, *judged_numbers(*predicting, on.runs, on.others), rng),
+        gain=gains(on.run_set, on.weight, *on.numbers(*predicting), rng),
         gain_on="other_runs" if other else "same_run" if len(run_set.lengths) == 1 else "each_run_in_turn",
         noise=noise,
         wandering=_gauss_markov_noise(with_noise),

@@ -8,7 +8,7 @@ import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.inference.cause_share import Witness, witnesses, written_fit
+from swamp_rl.criticism.inference.cause_share import Witness, in_its_weather, witnesses, written_fit
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates, differing
 from swamp_rl.criticism.selection.continuation import Continuation, continuation_of
@@ -19,16 +19,16 @@ WIND = {"effect": "wind", "speed": SPEED, "from": FROM}
 MIDDLE = 1  # stage of a continuation
 
 
-def upwind(*effects: dict[str, Any]) -> RunSet:
-    """Two minutes of a slight zig-zag against the wind, with the throttle up and down."""
+def zig_zag(*effects: dict[str, Any]) -> RunSet:
+    """Two minutes of a slight zig-zag, with the throttle up and down."""
     time = np.arange(1200) * DT
     given = np.zeros((1, len(time), 8))
     given[0, :, :4] = np.outer(0.1 * np.sign(np.sin(2 * np.pi * time / 9.0)), [1, 1, -1, -1])
     given[0, :, 4:] = (0.7 + 0.2 * np.sign(np.sin(2 * np.pi * time / 40.0)))[:, None]
-    return driven([WIND, *effects], given, 0.8, 0)
+    return driven(list(effects), given, 0.8, 0)
 
 
-BLOWN = upwind()
+BLOWN, CALM = zig_zag(WIND), zig_zag()
 
 
 def ignored(runs: RunSet, angle: float) -> RunSet:
@@ -62,7 +62,7 @@ def test_a_resistance_that_stands_for_the_wind_is_written_only_where_no_wind_was
 
 
 def test_a_thrust_that_is_lost_is_written_beside_the_wind_that_was_left_out() -> None:
-    runs = ignored(upwind({"effect": "thrust_scale", "scale": 0.8}), FROM)
+    runs = ignored(zig_zag(WIND, {"effect": "thrust_scale", "scale": 0.8}), FROM)
     assert judged(runs, "thrust_scale", "wind") == (["thrust_scale", "wind"], [])
 
 
@@ -72,6 +72,30 @@ def test_what_each_run_has_of_its_own_is_not_judged_on_other_runs() -> None:
     for others in (False, True):
         on = Witness(BLOWN, weights(BLOWN, noise_levels(BLOWN)), others)
         assert on.judges(wind) and on.judges(own) is not others
+
+
+@pytest.mark.parametrize("other", [BLOWN, CALM], ids=["the same wind", "another day"])
+def test_the_runs_weather_is_that_of_other_runs_only_if_these_are_predicted_better_with_it(
+    other: RunSet,
+) -> None:
+    continuation, winner = fitted(BLOWN, "wind")
+    on = Witness(other, weights(other, noise_levels(other)), others=True)
+    found = in_its_weather(on, continuation, winner, MIDDLE)
+    (wind,) = winner.hypothesis.instances
+    assert found.judges(wind) is (other is BLOWN)
+    with_wind, boat_file = (
+        found.errors(continuation, MIDDLE, fit, 10.0)[0] for fit in (winner, continuation.boat_file(MIDDLE))
+    )
+    assert (with_wind == boat_file).all() == (other is CALM)
+
+
+def test_the_boats_own_effects_are_judged_on_runs_of_another_day() -> None:
+    continuation, winner = fitted(
+        zig_zag(WIND, {"effect": "thrust_scale", "scale": 0.8}), "thrust_scale", "wind"
+    )
+    on = Witness(CALM, weights(CALM, noise_levels(CALM)), others=True)
+    found = in_its_weather(on, continuation, winner, MIDDLE)
+    assert [one.label for one in winner.hypothesis.instances if found.judges(one)] == ["thrust_scale"]
 
 
 @pytest.mark.parametrize("angle", [FROM, FROM + np.pi])

@@ -36,13 +36,15 @@ JUDGED: tuple[Judged, ...] = ("position_rmse_m", "heading_rmse_rad")
 class Witness:
     """Runs that predictions are compared with. weight: (R, T, 6); others: whether they are other runs than
     those fitted to; where not, each run's numbers come from the others; wind: where the run set has the
-    measured one, left out of the fit, the boat's own effects alone are judged in it.
+    measured one, left out of the fit, the boat's own effects alone are judged in it; apart: whether other
+    runs are of another day, whose weather is not that of the runs fitted to.
     """
 
     run_set: RunSet
     weight: Array
     others: bool
     wind: Wind = "fitted"
+    apart: bool = False
 
     @property
     def runs(self) -> int:
@@ -51,18 +53,36 @@ class Witness:
 
     def judges(self, instance: EffectInstance) -> bool:
         """Whether predictions here depend on an instance: not on what other runs had of their own."""
-        if self.others and instance.groups:
-            return False
-        return self.wind == "fitted" or instance.effect.scope == "boat"
+        if instance.effect.scope == "boat":
+            return True
+        return self.wind == "fitted" and not (self.others and (instance.groups or self.apart))
+
+    def numbers(self, problem: Shooting, of: Fit) -> tuple[Hypothesis, Array]:
+        """What predictions under a fit depend on here, and its parameters (R, p)."""
+        hypothesis, numbers = judged_numbers(problem, of, self.runs, self.others)
+        kept = np.array([self.judges(one) for one in hypothesis.instances for _ in one.specs], dtype=bool)
+        hypothesis = Hypothesis(tuple(one for one in hypothesis.instances if self.judges(one)))
+        return hypothesis, numbers[:, kept]
 
     def errors(self, continuation: Continuation, stage: int, of: Fit, horizon: float) -> Predicted:
         """Errors of predictions under a fit at a stage."""
         problem = continuation.problem(stage, of.hypothesis)
-        hypothesis, numbers = judged_numbers(problem, of, self.runs, self.others)
-        kept = np.array([self.judges(one) for one in hypothesis.instances for _ in one.specs], dtype=bool)
-        hypothesis = Hypothesis(tuple(one for one in hypothesis.instances if self.judges(one)))
-        made = errors_at(self.run_set, self.weight, horizon, hypothesis, numbers[:, kept])
+        made = errors_at(self.run_set, self.weight, horizon, *self.numbers(problem, of))
         return made.error, blocks_of(made, horizon)[0]
+
+
+def in_its_weather(on: Witness, continuation: Continuation, of: Fit, stage: int) -> Witness:
+    """Those runs, of another day if they are others that are predicted no better with the weather of the runs
+    fitted to than without it, as a fit at a stage has it.
+    """
+    calm = replace(on, apart=True)
+    if all(on.judges(one) == calm.judges(one) for one in of.hypothesis.instances):
+        return on
+    horizon = options().judged_horizons[-1]
+    fitted, without_it = (
+        np.nanmean(one.errors(continuation, stage, of, horizon)[0][:, POSITIONS] ** 2) for one in (on, calm)
+    )
+    return on if fitted < without_it else calm
 
 
 def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
@@ -76,7 +96,7 @@ def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
     calm, windy = (boat_file_errors(one, on.weight, horizon) for one in (on.run_set, blown))
     paired = change(calm.error[:, POSITIONS], windy.error[:, POSITIONS], blocks_of(calm, horizon)[0], rng)
     helps = paired is not None and paired.ci95[0] > 0.0
-    return [on, Witness(blown, on.weight, on.others, wind="measured")] if helps else [on]
+    return [on, replace(on, run_set=blown, wind="measured")] if helps else [on]
 
 
 def cause_shares(

@@ -26,7 +26,6 @@ from swamp_rl.criticism.likelihood.cross_validation import (
     Confirmation,
     confirmed_at,
     halves_of,
-    judged_numbers,
     numbers_without,
     saturated,
 )
@@ -198,7 +197,7 @@ def _errors(problem: Shooting, at: Fit, judged: Witness, horizon: float) -> Erro
     run_set, weight = judged.run_set, judged.weight
     runs, win = len(run_set.lengths), problem.windows
     if judged.others:
-        return errors_at(run_set, weight, horizon, *judged_numbers(problem, at, runs, judged.others))
+        return errors_at(run_set, weight, horizon, *judged.numbers(problem, at))
     fold = halves_of(win)
     numbers = numbers_without(at, fold, 2 * runs)
     found = []

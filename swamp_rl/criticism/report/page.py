@@ -167,7 +167,8 @@ def causes_section(found: Diagnosis, run_set: RunSet) -> str:
         "fitted again, and with it. Shares need not add up to 100 %. A cause with a share of zero or less "
         "does not reduce that error; it is listed if it is significant and moves a prediction by more than "
         "the sensor's noise. A cause that differs between runs has no share on runs that it was not fitted "
-        "to.</p>"
+        "to, nor has the weather of the diagnosed runs on held-out runs predicted no better with it: "
+        "they may be of another day.</p>"
     )
     accounts = share_rows([*found.causes, *found.minor])
     if accounts:
