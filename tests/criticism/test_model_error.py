@@ -8,10 +8,12 @@ import pytest
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import Confirmation
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.curve_errors import Marginal
 from swamp_rl.criticism.nuisance.process_noise import correlation_samples, in_noise_units, model_error
+from swamp_rl.criticism.selection import stepwise_selection
 from swamp_rl.criticism.selection.stepwise_selection import (
     RatioTests,
     best_confirmed,
@@ -98,6 +100,32 @@ def test_of_effects_that_held_out_windows_do_not_separate_the_more_likely_is_sel
             tests.marginals[one.hypothesis.label, one.x.tobytes()] = worse
         best, confirmed = most_likely(continuation, *best_confirmed(continuation, fits, tests), fits, tests)
         assert best is likely and all(one.holds for one in confirmed.values())
+
+
+def test_a_likelier_effect_that_held_out_windows_do_not_confirm_leaves_the_best_of_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = simulated_runs([{"effect": "position_delay", "delay": 0.4}], velocities=False)
+    weight = weights(found, noise_levels(found))
+    continuation = single_stage(model_error(found, weight, Hypothesis(), np.zeros(0), 10.0))
+    known, states = by_label(candidates(found.boat, SECONDS)), continuation.problems[0].initial_states()
+    names = ("clock_offset", "position_delay", "command_delay")
+    likeliest, best, other = (
+        continuation.fit(0, Hypothesis((known[n],)), np.array([0.3]), states) for n in names
+    )
+    tests = RatioTests(found, weight, 3)
+    for one, deviance in ((likeliest, 0.0), (other, 10.0), (best, 20.0)):
+        tests.marginals[one.hypothesis.label, one.x.tobytes()] = Marginal(
+            deviance, np.zeros(0), np.zeros(3), 0.0
+        )
+
+    def as_said(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> Confirmation:
+        alone = not less.hypothesis.instances  # no two effects are separated, and one is not confirmed
+        return replace(CONFIRMED, low=1.0 if alone and whole is not likeliest else -1.0)
+
+    monkeypatch.setattr(stepwise_selection, "confirmation", as_said)
+    kept, _ = most_likely(continuation, best, {"position_delay": CONFIRMED}, [likeliest, best, other], tests)
+    assert kept is best
 
 
 @pytest.mark.parametrize(("gain", "label"), [(1.1, "position_delay"), (0.9, "nothing")])

@@ -282,12 +282,11 @@ def most_likely(
     tests: RatioTests,
 ) -> tuple[Fit, dict[str, Confirmation]]:
     """The fit of least information criterion beside errors of the model's curves, of the best one and those
-    confirmed whole that held-out windows do not separate from it; and what confirms it.
+    that held-out windows do not separate from it, if it is confirmed whole; and what confirms it.
     """
     criterion = partial(_criterion, continuation, tests)
-    for rival in sorted(equivalent(continuation, best, others), key=criterion):
-        if criterion(rival) >= criterion(best):
-            break
+    rival = min((best, *equivalent(continuation, best, others)), key=criterion)
+    if rival is not best:
         kept, found = _eliminated(continuation, rival, tests)
         if kept is rival:
             return rival, found
