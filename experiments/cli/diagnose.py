@@ -171,7 +171,7 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
             yield f"  {cause.label}{where}" + (f": {numbers}" if numbers else "")
         for name, value, interval, unit in spread_sets(cause):
             yield f"    {name}: {value} {unit} (95 % interval {interval})"
-        if sentence := share_text(cause):
+        if sentence := share_text(cause, found.gain_on):
             yield f"    {sentence}"
     for names in found.indistinguishable:
         yield f"  cannot be distinguished: {'; '.join(names)}"

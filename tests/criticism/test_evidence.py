@@ -123,13 +123,20 @@ def test_a_cause_without_a_share_is_minor_unless_it_moves_predictions_by_more_th
 
 def test_a_cause_without_a_share_is_reported_by_how_far_it_moves_the_prediction() -> None:
     def sentence(*errors: float) -> str:
-        return share_text(Cause(effect="mass", parameters={}, share=[share(*errors, moved=0.2)]))
+        cause = Cause(effect="mass", parameters={}, share=[share(*errors, moved=0.2)])
+        return share_text(cause, "other_runs")
 
     assert sentence(2.0, 1.0) == "50 % of the position error 10 s ahead (2 m without it, 1 m with it)"
     assert sentence(2.0, 2.1) == (
         "no share of the position error 10 s ahead (2 m without it, 2.1 m with it); "
         "it moves the prediction by 0.2 m"
     )
+
+
+def test_weather_without_a_share_on_other_runs_is_said_not_to_act_there() -> None:
+    wind = Cause(effect="wind", parameters={})
+    assert "another day" in share_text(wind, "other_runs")
+    assert share_text(wind, "same_run") == share_text(Cause(effect="mass", parameters={}), "other_runs") == ""
 
 
 def test_a_cause_that_moves_predictions_by_more_than_the_noise_matters_beside_a_larger_error() -> None:
