@@ -157,7 +157,13 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
     )
     from swamp_rl.criticism.report.extension import extension_sentence
     from swamp_rl.criticism.report.next_trial import next_trial_sentences
-    from swamp_rl.criticism.report.words import is_extended, parameter_sets, separating_sentence, spread_sets
+    from swamp_rl.criticism.report.words import (
+        in_file_names,
+        is_extended,
+        parameter_sets,
+        separating_sentence,
+        spread_sets,
+    )
 
     yield f"verdict: {found.verdict}"
     for sentence in (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found)):
@@ -168,13 +174,13 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
     for cause in found.causes:
         for where, parameters in parameter_sets(cause):
             numbers = ", ".join(_number(name, p) for name, p in parameters.items())
-            yield f"  {cause.label}{where}" + (f": {numbers}" if numbers else "")
+            yield f"  {in_file_names(cause.label)}{where}" + (f": {numbers}" if numbers else "")
         for name, value, interval, unit in spread_sets(cause):
             yield f"    {name}: {value} {unit} (95 % interval {interval})"
         if sentence := share_text(cause, found.gain_on):
             yield f"    {sentence}"
     for names in found.indistinguishable:
-        yield f"  cannot be distinguished: {'; '.join(names)}"
+        yield f"  cannot be distinguished: {in_file_names('; '.join(names))}"
     if sentence := separating_sentence(found):
         yield f"  {sentence}"
     if found.next_trial:

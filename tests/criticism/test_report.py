@@ -24,6 +24,7 @@ from swamp_rl.criticism.report.words import (
     files_sentence,
     gain_sentence,
     headline,
+    in_file_names,
     manoeuvre_words,
     meaning,
     noise_sentence,
@@ -68,6 +69,10 @@ LAG = Cause(
     effect="azimuth_lag",
     parameters={"time_constant": Estimate(value=0.612, standard_error=0.012, unit="s")},
 )
+
+
+def test_the_terminal_has_the_files_names_and_the_scope_in_words() -> None:
+    assert in_file_names("thruster_gain bs + wind by_run") == "thruster_gain bs + wind (another in each run)"
 
 
 def test_labels_are_readable_and_have_their_thrusters() -> None:

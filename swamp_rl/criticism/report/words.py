@@ -31,6 +31,13 @@ def readable(label: str) -> str:
     return " and ".join([", ".join(found[:-1]), found[-1]] if len(found) > 1 else found)
 
 
+def in_file_names(label: str) -> str:
+    """Names as boat files have them, the scope in words: `wind by_run` as `wind (another in each run)`."""
+    for scope, words in DIFFERS.items():
+        label = label.replace(f" {scope}", f" ({words})")
+    return label
+
+
 def causes(found: Diagnosis) -> str:
     """The causes by name, joined."""
     return readable(" + ".join(cause.label for cause in found.causes)) if found.causes else "nothing"
