@@ -8,7 +8,8 @@ import subprocess
 import sys
 import tempfile
 import traceback
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from multiprocessing import get_context
@@ -25,6 +26,15 @@ LATE = (
     "PIL.PngImagePlugin",
     "rerun",
 )
+FITS = (
+    "searched",
+    "short_fitted",
+    "fitted_boat",
+    "run_thrusts",
+    "chosen_gains",
+    "errors_on",
+    "recent_errors",
+)
 FOUND: list[Any] = []
 "What the search among runs found."
 
@@ -39,7 +49,7 @@ def imported() -> None:
 def cheaper() -> Iterator[None]:
     """All of the contexts below."""
     with ExitStack() as stack:
-        for one in (figures_left_blank, workers_forked, apart_by_a_fork, searched_once):
+        for one in (figures_left_blank, workers_forked, apart_by_a_fork, searched_once, fitted_once):
             stack.enter_context(one())
         yield
 
@@ -73,6 +83,31 @@ def searched_once() -> Iterator[None]:
 
     with patch.object(module, "examine", once):
         yield
+
+
+@contextmanager
+def fitted_once() -> Iterator[None]:
+    """The fits of an identification to runs in memory are done once for all cases."""
+    module = import_module("swamp_rl.boat_fit.identify")
+    with ExitStack() as stack:
+        for name in FITS:
+            stack.enter_context(patch.object(module, name, _in_order(getattr(module, name))))
+        yield
+
+
+def _in_order(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function, whose nth call in a fork is answered with what its nth call before gave."""
+    found: list[Any] = []
+    calls = Counter[int]()
+
+    def once(*given: Any) -> Any:
+        place = calls[os.getpid()]
+        calls[os.getpid()] += 1
+        if place == len(found):
+            found.append(function(*given))
+        return found[place]
+
+    return once
 
 
 @contextmanager

@@ -18,7 +18,7 @@ import sys
 from argparse import Namespace
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -26,6 +26,7 @@ import numpy as np
 
 from benchmarks.attack.cheaper import cheaper, imported
 from benchmarks.attack.counts import Count
+from benchmarks.attack.recorder import record, recorded, write_course
 from benchmarks.attack.samples import parse_once
 from benchmarks.attack.syscalls import (
     Ended,
@@ -46,14 +47,6 @@ SLOW_PLACES = 48  # of `run`: ten minutes of one core; all of its places would t
 SEED = 0
 LIMIT = 900.0  # s for one case, on a machine that is busy with other work
 
-COURSE = """
-name: short
-gates: [{name: only, centre: {north: 8.0, east: 0.0}, heading: 0.0, width: 4.0}]
-start: {pose: {north: 0.0, east: 0.0, heading: 0.0}, spread: {north: 0.5, east: 0.5, heading: 0.1}}
-bounds: {south: -12.0, north: 34.0, west: -15.0, east: 23.0}
-buoy_radius: 0.2
-time_limit: 2.0
-"""
 EXPERIMENT = """
 name: tiny
 boat: swamp
@@ -81,7 +74,9 @@ class Command:
     out: str = "out"
     left: tuple[str, ...] = ()
     "What a command that failed may leave beside `out`, for the next life to go on from."
-    check: Callable[[Path, Ended], str | None] = field(default=lambda case, ended: None)
+    check: Callable[[Path, Ended], str | None] | None = None
+    "What is wrong in the folder of a command that may leave less than all; the others leave all or nothing."
+    codes: tuple[int, ...] = (0, 2)
     places: int = PLACES
     warmed_by: str | None = None
     "The command done once in the process that is forked, so that no fork compiles anew; by default itself."
@@ -99,106 +94,27 @@ def verb(*words: str) -> Callable[[Path], int | None]:
     return do
 
 
-def record(case: Path) -> int:
-    """Two runs driven and accepted, one between them discarded; an acceptance is tried three times."""
-    from swamp_rl.errors import UserError
-
-    try:
-        game = recorder(case)
-    except UserError as error:
-        print("swamp-rl:", error, file=sys.stderr)
-        return 2
-    now, kept = 0.0, 0
-    for keep in (True, False, True):
-        now = driven(game, now)
-        for _ in range(3 if keep and game.journal is not None else 0):
-            try:
-                save = game.accept()
-                name = save()
-            except UserError:
-                game.not_accepted()
-                continue
-            game.accepted()
-            print("accepted", name, flush=True)
-            kept += 1
-            break
-        else:
-            game.drop(again=False)
-    try:
-        game.close()
-    except UserError as error:
-        print("swamp-rl:", error, file=sys.stderr)
-        return 2
-    return 0
+FLEET = verb("fleet", "{}/inputs/runs", "{}/inputs/more", "--out", "{}/out", "--workers", "1")
 
 
-def write_course(case: Path) -> None:
-    """The course that `recorder` sails on."""
-    (case / "inputs").mkdir(parents=True)
-    (case / "inputs" / "short.yaml").write_text(COURSE)
+def resumed(case: Path, ended: Ended) -> str | None:
+    """What is wrong with the folder of a fleet, and with what the same command makes of it afterwards."""
+    from swamp_rl.experiments.fleet.result import Fleet
+    from swamp_rl.experiments.fleet.work import read_diagnosis
 
-
-def warm(case: Path, drive: Callable[[Path], object]) -> None:
-    """Compile, in the process that is forked, what each fork would compile anew."""
-    write_course(case)
-    drive(case)
-
-
-def recorder(case: Path):
-    """A session on a course that ends after two seconds, with its dataset in `case`/out."""
-    from swamp_rl.envs.single import GatesEnv
-
-    from swamp_rl.boat import load_boat
-    from swamp_rl.runs import DatasetMeta
-    from swamp_rl.teleop.afloat import Afloat
-    from swamp_rl.teleop.berth import Berth
-    from swamp_rl.teleop.recordings import Recordings
-    from swamp_rl.teleop.session import Session
-
-    boat, course = load_boat("swamp"), str(case / "inputs" / "short.yaml")
-    particulars = {name: getattr(boat, name) for name in ("mass", "draught", "water_density")}
-    meta = DatasetMeta(vehicle="swamp", sample_rate=10.0, source="scripted", course=course, **particulars)
-    berth = Berth(
-        lambda level, senses: Afloat(GatesEnv(course=course, disturbances=level, observation=senses)),
-        ("calm",),
-        lambda: Recordings(case / "out", meta, lambda line: None),
-    )
-    return Session({"swamp": berth}, np.random.default_rng(SEED))
-
-
-def driven(game, now: float) -> float:
-    """Drive a run to its end; where the disk refuses to begin it, let go of the lever once and give up."""
-    from swamp_rl.teleop.messages import Command as Levers
-
-    for _ in range(200):
-        if game.phase == "ended" or (game.complaint() is not None and game.phase == "ready"):
-            break
-        game.command(Levers(type="command", throttle=1.0, angle=0.1), now)
-        now += 0.1
-    game.command(Levers(type="command", throttle=0.0, angle=0.0), now)
-    return now + 0.1
-
-
-def recorded(case: Path, ended: Ended) -> str | None:
-    """What is wrong with a recorder's dataset, opened again."""
-    from swamp_rl.runs import check_dataset, read_dataset
-    from swamp_rl.teleop.rows import largest_difference
-
-    accepted = {line.split()[1] for line in ended.out.splitlines() if line.startswith("accepted")}
-    if not (case / "out" / "dataset.yaml").exists():
-        return f"lost the dataset with {accepted}" if accepted else None
-    recorder(case).close()
-    if list((case / "out" / "unfinished").glob("run-*")):
-        return "something unfinished stays"
-    runs = {run.name: run for run in read_dataset(case / "out").runs} if accepted else {}
-    if not accepted <= set(runs):
-        return f"lost {accepted - set(runs)}"
-    if accepted and (faults := check_dataset(case / "out")):
-        return f"faults: {faults[0]}"
-    if any(runs[name].meta.outcome == "interrupted" for name in accepted):
-        return "an accepted run is marked as interrupted"
-    if any(largest_difference(runs[name], "swamp") != 0.0 for name in accepted):
-        return "an accepted run does not sail again to the bit"
+    out = case / "out"
+    for folder in out.glob("[!.]*/"):
+        read_diagnosis(folder)
+    if ended.code != 2:
+        told = Fleet.model_validate_json((out / "fleet.json").read_bytes())
+        if any(one.verdict is None and one.error is None for one in told.members):
+            return "a dataset has neither a diagnosis nor an error"
+    again = forked(partial(FLEET, case), LIMIT)
+    if again.code != 0 or again.err:
+        return f"cannot be resumed: {again}"
+    whole = Fleet.model_validate_json((out / "fleet.json").read_bytes())
+    if [one.verdict for one in whole.members].count(None):
+        return "the same command does not diagnose every dataset afterwards"
     return None
 
 
@@ -236,6 +152,10 @@ COMMANDS = {
         warmed_by="train",
     ),
     "diagnose": Command(verb("diagnose", "{}/inputs/runs", "--out", "{}/out")),
+    "fleet": Command(FLEET, left=("out",), check=resumed, codes=(0, 1, 2), warmed_by="diagnose"),
+    "identify boat": Command(
+        verb("identify", "boat", "{}/inputs/runs", "--boat", "swamp", "--out", "{}/out/boat.yaml")
+    ),
 }
 
 
@@ -246,8 +166,7 @@ def prepare(inputs: Path) -> None:
     from swamp_rl.pilots.record import record_scripted
     from swamp_rl.runs import read_dataset, write_run
 
-    inputs.mkdir()
-    (inputs / "short.yaml").write_text(COURSE)
+    write_course(inputs.parent)
     (inputs / "tiny.yaml").write_text(EXPERIMENT % (inputs / "runs"))
     (inputs / "sweep.yaml").write_text(SWEEP % (inputs / "tiny.yaml"))
     record_scripted(
@@ -256,6 +175,7 @@ def prepare(inputs: Path) -> None:
         count=2,
         failed=0,
     )
+    shutil.copytree(inputs / "runs", inputs / "more")
     write_run(inputs / "log.csv", read_dataset(inputs / "runs").runs[0])
     for what, out, seed in (("train", "trained", 1), ("run", "results", 1), ("run", "others", 2)):
         command = verb(what, "{}/tiny.yaml", "--set", f"evaluation.seed={seed}", "--out", f"{{}}/{out}")
@@ -313,7 +233,7 @@ class Attack:
         case, lines = self.root / "case", ended.err.strip().splitlines()
         if ended.hung:
             return "it hangs"
-        if ended.code not in (0, 2):
+        if ended.code not in self.command.codes:
             return f"ends with {ended.code}: {lines[-1] if lines else ''}"
         if ended.code == 2 and (len(lines) != 1 or not lines[0].startswith("swamp-rl: ")):
             return f"says {len(lines)} lines: {lines[-3:]}"
@@ -323,15 +243,21 @@ class Attack:
             return f"traceback: {lines[-1]}"
         if tree(case / "inputs") != self.inputs:
             return "its inputs are changed"
-        if self.name == "record":
+        if self.command.check is not None:
             try:
-                return self.command.check(case, ended)
+                wrong = self.command.check(case, ended)
             except Exception as error:
-                return f"what it left cannot be read: {error}"
+                wrong = f"what it left cannot be read: {error}"
+            return wrong or self._beside(kind)
         if ended.code == 0 and there != self.whole:
             return f"ends well without {sorted(self.whole - there)[:3]}"
         if there and there != self.whole and self.command.out not in self.command.left:
             return f"leaves a part: without {sorted(self.whole - there)[:3]}"
+        return self._beside(kind)
+
+    def _beside(self, kind: str) -> str | None:
+        """What is left beside the output that should not be there."""
+        case = self.root / "case"
         others = {path.name for path in case.iterdir()} - {"inputs", self.command.out, *self.command.left}
         if kind in ("open", "close"):  # nothing can be removed where a folder cannot be listed
             others = {name for name in others if not name.startswith(UNFINISHED)}

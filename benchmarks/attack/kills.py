@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.attack.counts import Count
-from benchmarks.attack.faults import driven, recorder, warm, write_course
+from benchmarks.attack.recorder import driven, recorder, warm, write_course
 from benchmarks.attack.samples import parse_once
 from benchmarks.attack.syscalls import (
     KILL,

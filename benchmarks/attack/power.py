@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.attack.counts import Count
-from benchmarks.attack.faults import driven, recorder, warm, write_course
 from benchmarks.attack.kills import wrong_after
+from benchmarks.attack.recorder import driven, recorder, warm, write_course
 from benchmarks.attack.samples import parse_once
 from benchmarks.attack.syscalls import armed, forked, logged_to, mark, report, scratch, with_shim
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from websockets.sync.client import ClientConnection, connect
 
 from benchmarks.attack.counts import Count
-from benchmarks.attack.faults import recorder, write_course
+from benchmarks.attack.recorder import recorder, write_course
 from benchmarks.attack.syscalls import scratch
 
 COUNT, ROUNDS, FRAMES = 1200, 5, 100
