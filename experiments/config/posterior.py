@@ -12,10 +12,9 @@ from swamp_rl.clipped import clipped
 from swamp_rl.criticism.model.extended_boat import BOAT
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
-from swamp_rl.effects.correlated import factor_of
 from swamp_rl.effects.declare import LIBRARY, Parameter
 from swamp_rl.effects.entries import ALL
-from swamp_rl.effects.levels import Level, read_level
+from swamp_rl.effects.levels import Level, level_of, read_level
 from swamp_rl.effects.random_entry import COMPONENTS, RandomEntry
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
@@ -51,15 +50,12 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     pairs = zip(below.get("effects", []), level_below.entries, strict=True) if level_below else ()
     others = [kept for entry, read in pairs if (kept := _other_thrusters(entry, read, causes, f"{among}"))]
     beside = f", among the disturbances of {Path(among).stem}" if among else ""
-    correlated = _correlated(entries, found.correlation)
-    if correlated:
-        matrix = correlated["correlated"]["matrix"]
-        factor_of(matrix, len(matrix), f"{diagnosis}: correlation")
     level = below | {
         "description": f"result of a diagnosis, with its standard errors{beside}",
         "effects": entries + others,
-        **correlated,
+        **_correlated(entries, found.correlation),
     }
+    level_of(level, f"{diagnosis}")
     write_yaml(out, level)
     return level
 

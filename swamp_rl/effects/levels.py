@@ -110,6 +110,13 @@ def read_level(
     return fitted, _level(path.stem, str(path), fitted, names)
 
 
+def level_of(given: Mapping[str, Any], where: str) -> Level:
+    """The level that a mapping holds, for a boat with the thrusters that it names. UserError as
+    `load_disturbances`.
+    """
+    return _level("level", where, given, _thrusters_named(given.get("effects")))
+
+
 def _thrusters_named(entries: Any) -> list[str]:
     selectors = [entry.get("thruster") for entry in _list(entries) if isinstance(entry, Mapping)]
     chosen = [_list(one.get("choice")) if isinstance(one, Mapping) else [one] for one in selectors]

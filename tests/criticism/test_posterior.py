@@ -291,6 +291,8 @@ def test_a_file_that_is_no_diagnosis_and_one_without_causes_are_refused(tmp_path
             "north: its error is negative",
         ),
         (CURRENT, [[1.0, 2.0], [2.0, 1.0]], "none of correlations"),
+        ({"effect": "current", "parameters": {"north": estimate(1e308, 0.0, "m/s")}}, None, "north"),
+        (WEAK | {"parameters": {"gain": estimate(1e308, 0.1)}}, None, "gain"),
     ],
 )
 def test_a_diagnosis_that_cannot_be_is_refused_in_one_line_and_nothing_written(
