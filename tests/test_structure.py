@@ -34,7 +34,7 @@ FLOORS = (
         "sums",
         "workers",
     },
-    {"files", "arrays_file", "replacement", "tensors_file", "unfinished"},
+    {"files", "arrays_file", "replacement", "sqlite_file", "tensors_file", "unfinished"},
     {"physics", "boat", "effects", "course"},
     {"runs", "simulator"},
     {"boat_numbers", "doctor", "logs"},

@@ -4,6 +4,8 @@ import io
 import sqlite3
 import struct
 import zipfile
+from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -78,6 +80,7 @@ ENDLESS = (
     [
         [TABLES["trials"], f"CREATE VIEW plan AS {ENDLESS}"],
         [*TABLES.values(), "CREATE TRIGGER t AFTER INSERT ON trials BEGIN DELETE FROM trials; END"],
+        [TABLES["plan"], "CREATE TABLE trials (number INTEGER PRIMARY KEY, trial AS (zeroblob(16000000)))"],
         [TABLES["plan"], "CREATE TABLE trials (number INTEGER PRIMARY KEY, trial TEXT DEFAULT 'x')"],
         [TABLES["plan"]],
     ],
@@ -90,7 +93,70 @@ def test_a_sweeps_file_with_other_tables_than_ours_is_not_asked(
     with sqlite3.connect(path) as made:
         for statement in statements:
             made.execute(statement)
-    refused("trials.sqlite", path, "something else than the trials")
+    refused("trials.sqlite", path, "holds something else than")
+
+
+def tree(children: list[int], before: bytes, size: int) -> bytes:
+    """A page of SQLite that leads to others (https://sqlite.org/fileformat2.html#b_tree_pages)."""
+    cells = [struct.pack(">IB", child, 1) for child in children[:-1]]
+    starts = [size - 5 * (i + 1) for i in range(len(cells))]
+    head = struct.pack(">BHHHBI", 5, 0, len(cells), starts[-1], 0, children[-1])
+    page = before + head + struct.pack(f">{len(cells)}H", *starts)
+    return page.ljust(starts[-1], b"\0") + b"".join(reversed(cells))
+
+
+def leaf(page: bytes, cells: Sequence[int]) -> bytes:
+    """A page with these of another page's rows, by their places there."""
+    head = struct.pack(f">BHHHB{len(cells)}H", 13, 0, len(cells), min(cells), 0, *cells)
+    return head.ljust(min(cells), b"\0") + page[min(cells) :]
+
+
+def with_rows_without_end(path: Path, table: str) -> None:
+    """The rows of a table repeated 30^8 times, by pages that lead to the same page; of an index its row of
+    the schema."""
+    with closing(sqlite3.connect(path)) as made:
+        (root,) = made.execute("SELECT rootpage FROM sqlite_schema WHERE name = ?", (table,)).fetchone()
+    data = path.read_bytes()
+    size = int.from_bytes(data[16:18], "big")
+    pages = [data[i : i + size] for i in range(0, len(data), size)]
+    before, first = b"", []
+    if table.startswith("sqlite"):  # page 1, whose head comes after that of the file: all rows, then the last
+        cells = struct.unpack(">2H", pages[0][108:112])
+        pages += [leaf(pages[0], cells), leaf(pages[0], cells[1:])]
+        root, before, first = 1, data[:100], [len(pages) - 1]
+    else:
+        pages.append(pages[root - 1])
+    for _ in range(7):
+        pages.append(tree([len(pages)] * 30, b"", size))
+    pages[root - 1] = tree([*first, *[len(pages)] * 30], before, size)
+    data = b"".join(pages)
+    counted = struct.pack(">I", len(pages))
+    path.write_bytes(data[:28] + counted + data[32:92] + data[24:28] + data[96:])
+
+
+@pytest.mark.parametrize("name", ["trials.sqlite", "ros2.db3"])
+def test_a_table_that_repeats_its_pages_without_end_is_refused(name: str, tmp_path: Path) -> None:
+    path = FORMATS[name].make(tmp_path)
+    with_rows_without_end(path, {"trials.sqlite": "trials", "ros2.db3": "messages"}[name])
+    refused(name, path, "is damaged", "out of order")
+
+
+def test_a_list_of_tables_that_repeats_its_pages_without_end_is_refused(tmp_path: Path) -> None:
+    path = FORMATS["trials.sqlite"].make(tmp_path)
+    path.unlink()
+    with closing(sqlite3.connect(path)) as made:
+        made.execute("CREATE TABLE trials (trial TEXT UNIQUE)")
+    with_rows_without_end(path, "sqlite_autoindex_trials_1")
+    refused("trials.sqlite", path, "has tables without end")
+
+
+def test_a_bag_whose_messages_are_a_view_without_end_is_refused(tmp_path: Path) -> None:
+    path = FORMATS["ros2.db3"].make(tmp_path)
+    with closing(sqlite3.connect(path)) as made:
+        made.execute("DROP TABLE messages")
+        made.execute(f"CREATE VIEW messages AS {ENDLESS}")
+        made.commit()
+    refused("ros2.db3", path, "something else than tables")
 
 
 def test_a_sweep_made_here_is_taken_up_and_a_row_too_long_refused(tmp_path: Path) -> None:

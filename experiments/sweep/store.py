@@ -13,6 +13,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.json_text import parsed_json
 from swamp_rl.ordinary import ordinary
 from swamp_rl.seal import BLANK, KEY, refuse_changed, sealed
+from swamp_rl.sqlite_file import refuse_endless
 
 FILE = "trials.sqlite"
 AGAIN = "remove the file to start again, or name another folder with --out"
@@ -65,7 +66,7 @@ class Store:
 
     def trials(self) -> dict[int, Trial]:
         """All that have ended; UserError where a row has changed since it was written."""
-        rows = self._connection.execute("SELECT number, trial FROM trials ORDER BY number").fetchall()
+        rows = self._connection.execute("SELECT number, trial FROM trials ORDER BY number")
         return {number: self._trial(number, row) for number, row in rows}
 
     def _trial(self, number: Any, row: Any) -> Trial:
@@ -116,6 +117,7 @@ def opened(folder: Path, plan: dict[str, Any]) -> Iterator[Store]:
         _refuse_foreign(path)
         connection = sqlite3.connect(path, timeout=0.5)
         connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
+        refuse_endless(connection)
         connection.execute("PRAGMA locking_mode = EXCLUSIVE")
         connection.execute("PRAGMA synchronous = FULL")
         _agree(connection, path, json.dumps(plan, sort_keys=True))

@@ -1,18 +1,24 @@
-"""`metadata.yaml` of a ROS 2 bag: what must be in it for the bag to be read."""
+"""`metadata.yaml` and SQLite files of a ROS 2 bag: what must be in them for the bag to be read."""
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations
 from swamp_rl.files import read_yaml
 from swamp_rl.logs.binary import LARGEST
 from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.import_dataset import BAG_METADATA
+from swamp_rl.sqlite_file import refuse_endless
 
 LARGEST_METADATA = 2**23
+OF_ADDRESSES = set("%?#")
+"""Of an address of a file, as which rosbags gives a path to SQLite: `..%2Fother.db3` is in another folder."""
 ROOT = "rosbag2_bagfile_information"
 Count = Annotated[int, Field(ge=0, lt=2**63)]
 
@@ -79,8 +85,21 @@ def refuse_odd_bag(folder: Path) -> None:
         if held.is_symlink():
             raise UserError(f"{held}: is a link; put a copy of the file in its place")
         ordinary(held, LARGEST)
+        if metadata.get("storage_identifier") == "sqlite3":
+            refuse_odd_tables(held)
     try:
         Bag.model_validate(metadata)
     except ValidationError as error:
         key, message = explanations(error, Bag)[0]
         raise UserError(f"{path}: {ROOT}.{key}: {message}; or copy the bag again") from error
+
+
+def refuse_odd_tables(path: Path) -> None:
+    """UserError for a bag's SQLite file with rows without end, or whose name rosbags takes for another."""
+    if odd := set(str(path.absolute())) & OF_ADDRESSES:
+        raise UserError(f"{clipped(path, 200)}: has {min(odd)} in its name or folder; rename that")
+    try:
+        with closing(sqlite3.connect(f"file:{path.absolute()}?immutable=1", uri=True)) as connection:
+            refuse_endless(connection)
+    except sqlite3.Error as error:
+        raise UserError(f"{path}: {error}; copy the bag again") from error

@@ -9,7 +9,7 @@ import numpy as np
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.logs.bag_metadata import refuse_odd_bag
+from swamp_rl.logs.bag_metadata import refuse_odd_bag, refuse_odd_tables
 from swamp_rl.logs.binary import LARGEST, Gathered, reading, refuse_other_bytes
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.tables import table_name
@@ -179,6 +179,8 @@ def _opened(path: Path) -> Iterator[Any]:
                 f"{path}: its MCAP profile is {clipped(repr(profile))}, of a bag {PROFILE}; name the .bag "
                 "that a ros1 file was made of; ros2 bag convert writes others again"
             )
+        if path.suffix.lower() == ".db3":
+            refuse_odd_tables(path)
         with AnyReader([path], default_typestore=default) as reader:
             yield reader
     else:

@@ -2,6 +2,7 @@
 and nothing written but the new dataset."""
 
 import json
+import shutil
 import sqlite3
 from contextlib import closing
 from pathlib import Path
@@ -9,6 +10,8 @@ from pathlib import Path
 import pytest
 from mcap.writer import Writer
 
+from swamp_rl.errors import UserError
+from swamp_rl.logs.import_logs import read_log
 from tests.support.binary_logs import bag
 from tests.support.command_line import Call
 from tests.support.command_line import call as call  # the fixture
@@ -107,3 +110,14 @@ def test_topics_fields_and_schemas_of_json_messages(call: Call, here: Path, name
     write_messages(here / "schema.mcap", "/run", "more", name)
     assert call("runs", "import", "schema.mcap", "--out", "other")[0] == 0
     assert call("runs", "check", "other")[0] == 0
+
+
+def test_a_file_of_a_bag_whose_name_is_an_address_of_another_is_refused(tmp_path: Path) -> None:
+    folder = bag(tmp_path / "bag", "sqlite3", seconds=2.0)
+    (held,) = folder.glob("*.db3")
+    shutil.copy(held, tmp_path / "other.db3")
+    held.rename(folder / "..%2Fother.db3")
+    description = folder / "metadata.yaml"
+    description.write_text(description.read_text().replace(held.name, "..%2Fother.db3"))
+    with pytest.raises(UserError, match="has % in its name"):
+        read_log(folder, "rosbag")
