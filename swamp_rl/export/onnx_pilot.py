@@ -1,6 +1,8 @@
 """A pilot that drives from its ONNX file, by onnxruntime with one thread."""
 
 import math
+from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +19,11 @@ from swamp_rl.pilots.arrays import Array
 from swamp_rl.seal import sealed_file
 
 LEVERS = "levers"
-LARGEST = 10**6  # numbers of a state
+LARGEST = 10**6  # numbers of all states of a boat
+MOST_MEMORY = 2**30  # bytes that all graphs of a process take
 FATAL = 4  # all else that onnxruntime has to say is in its exceptions
 TYPES = {"tensor(double)": np.float64, "tensor(float)": np.float32, "tensor(int64)": np.int64}
+LEVER_TYPES = ("tensor(double)", "tensor(float)")
 
 
 class OnnxPilot:
@@ -31,10 +35,11 @@ class OnnxPilot:
         known = self._session.get_modelmeta().custom_metadata_map
         inputs = {given.name: given for given in self._session.get_inputs()}
         self._states = [given for name, given in inputs.items() if name.startswith(STATE)]
-        self._outputs = [given.name for given in self._session.get_outputs()]
-        after = {LEVERS, *(_next(state.name) for state in self._states)}
-        whole = {"kind", "senses"} <= set(known) and "observation" in inputs and after <= set(self._outputs)
-        if not whole or not all(map(_can_begin, self._states)):
+        self._outputs = {given.name: given.type for given in self._session.get_outputs()}
+        after = {_next(state.name): state.type for state in self._states}
+        whole = {"kind", "senses"} <= set(known) and "observation" in inputs
+        whole = whole and self._outputs.get(LEVERS) in LEVER_TYPES and after.items() <= self._outputs.items()
+        if not whole or not _can_begin(self._states):
             raise UserError(f"{path}: is not the step of a pilot; name a file written by swamp-rl export")
         self.kind: str = known["kind"]
         try:
@@ -74,10 +79,12 @@ class OnnxPilot:
         except Exception as error:  # onnxruntime's own errors have no common base
             first = clipped(str(error).splitlines()[0], 300)
             raise UserError(f"{self._path}: cannot be computed ({first}); export the pilot again") from error
-        self._kept = {name: out[_next(name)] for name in self._kept}
-        levers = out[LEVERS]
-        if np.shape(levers) != (len(observation), 2) or not np.isfinite(levers).all():
+        levers, kept = out[LEVERS], {name: out[_next(name)] for name in self._kept}
+        if levers.shape != (len(observation), 2) or not np.isfinite(levers).all():
             raise UserError(f"{self._path}: does not compute two levers of each boat; export the pilot again")
+        if any(kept[name].shape != state.shape for name, state in self._kept.items()):
+            raise UserError(f"{self._path}: its states do not keep their shapes; export the pilot again")
+        self._kept = kept
         return levers
 
 
@@ -86,10 +93,27 @@ def _next(state: str) -> str:
     return NEXT + state.removeprefix(STATE)
 
 
-def _can_begin(state: Any) -> bool:
-    """Whether zeros of the state's type and shape can be made, but for the number of boats."""
-    sizes = state.shape[1:]
-    return state.type in TYPES and all(isinstance(n, int) for n in sizes) and math.prod(sizes) <= LARGEST
+def _can_begin(states: Sequence[Any]) -> bool:
+    """Whether zeros of the states' types and shapes can be made, but for the number of boats."""
+    sizes = [state.shape[1:] for state in states]
+    if not all(isinstance(n, int) for size in sizes for n in size):
+        return False
+    return all(state.type in TYPES for state in states) and sum(map(math.prod, sizes)) <= LARGEST
+
+
+@cache
+def _memory_bounded() -> None:
+    """Have onnxruntime take no more than MOST_MEMORY in this process: a graph of 1 kB can ask for any."""
+    from onnxruntime import (
+        OrtAllocatorType,
+        OrtArenaCfg,
+        OrtMemoryInfo,
+        OrtMemType,
+        create_and_register_allocator,
+    )
+
+    memory = OrtMemoryInfo("Cpu", OrtAllocatorType.ORT_ARENA_ALLOCATOR, 0, OrtMemType.DEFAULT)
+    create_and_register_allocator(memory, OrtArenaCfg({"max_mem": MOST_MEMORY}))
 
 
 def _session(path: Path | str) -> Any:
@@ -99,8 +123,10 @@ def _session(path: Path | str) -> Any:
         raise missing("ONNX pilots need onnxruntime", "onnx") from error
     options = onnxruntime.SessionOptions()
     options.log_severity_level = FATAL
+    options.add_session_config_entry("session.use_env_allocators", "1")
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     content = sealed_file(path, "export the pilot again")
+    _memory_bounded()
     try:
         return onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
     except Exception as error:  # onnxruntime's own errors have no common base
