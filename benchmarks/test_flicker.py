@@ -1,11 +1,14 @@
 """The repetition of timed tests counts what fails and leaves no busy process."""
 
+import subprocess
+import sys
 from collections import Counter
 from pathlib import Path
 
 import psutil
 
 from benchmarks.flicker import busy, failures, result_line
+from tests.support.patience import PATIENCE
 
 REPORT = """<testsuites><testsuite>
 <testcase classname="tests.a" name="holds"/>
@@ -31,3 +34,15 @@ def test_busy_processes_end_with_the_block() -> None:
         begun = [child for child in psutil.Process().children() if child.pid not in before]
         assert len(begun) == 2
     assert not any(child.is_running() for child in begun)
+
+
+def test_busy_processes_end_with_one_that_is_killed() -> None:
+    text = "import os, time; from benchmarks.flicker import busy\nwith busy(1): print(flush=True); time.sleep(60)"
+    with subprocess.Popen([sys.executable, "-c", text], stdout=subprocess.PIPE) as begun:
+        assert begun.stdout is not None
+        begun.stdout.readline()
+        loops = psutil.Process(begun.pid).children()
+        begun.kill()
+    assert len(loops) == 1
+    psutil.wait_procs(loops, timeout=PATIENCE)
+    assert not loops[0].is_running()
