@@ -1,7 +1,7 @@
 """One row for each evaluated episode, and the figures that sum many of them up."""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -147,12 +147,7 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
         columns = {name: read[name].to_numpy() for name in read.column_names}
     except (OSError, UnicodeDecodeError, pa.ArrowException) as error:
         raise UserError(f"{path}: is not a readable Parquet file; run the experiment again") from error
-    missing = [name for name in ("pilot", "level", *COLUMNS) if name not in read.column_names]
-    if missing:
-        raise UserError(f"{path}: has no column {missing[0]}; it must be the episodes of an experiment")
-    for name in (*TEXTS, "seed", "success", *COSTS, *ELECTRIC, RETURN):
-        if name in columns and (fault := _fault_of(name, read[name])):
-            raise UserError(f"{path}: column {name}: {fault}; run the experiment again")
+    _refuse_odd_columns(path, read, ("pilot", "level", *COLUMNS))
     keys = list(zip(columns.pop("pilot").tolist(), columns.pop("level").tolist(), strict=True))
     rows: dict[tuple[str, str], list[int]] = {}
     for row, key in enumerate(keys):
@@ -164,6 +159,27 @@ def read_episodes(path: Path) -> dict[tuple[str, str], Table]:
             message = f"the episodes of {pilot} at {level} have a seed twice"
             raise UserError(f"{path}: {message}; run the experiment again")
     return {key: {name: column[at] for name, column in columns.items()} for key, at in rows.items()}
+
+
+def checked_table(path: Path, arrays: Table) -> Table:
+    """A table of episodes from arrays that a file holds; UserError where they are none."""
+    import pyarrow as pa
+
+    try:
+        _refuse_odd_columns(path, pa.table(arrays), COLUMNS)
+    except pa.ArrowException as error:
+        raise UserError(f"{path}: holds no table of episodes; run the experiment again") from error
+    return arrays
+
+
+def _refuse_odd_columns(path: Path, read: Any, needed: Sequence[str]) -> None:
+    """UserError for a column that a pyarrow table does not have, or of another type or with odd values."""
+    missing = [name for name in needed if name not in read.column_names]
+    if missing:
+        raise UserError(f"{path}: has no column {missing[0]}; it must be the episodes of an experiment")
+    for name in (*TEXTS, "seed", "success", *COSTS, *ELECTRIC, RETURN):
+        if name in read.column_names and (fault := _fault_of(name, read[name])):
+            raise UserError(f"{path}: column {name}: {fault}; run the experiment again")
 
 
 def _fault_of(name: str, column: Any) -> str | None:
