@@ -14,12 +14,13 @@ from swamp_rl.simulator.parameters import initial_state, parameters, tank
 from swamp_rl.simulator.sensors import CHANNELS, observe, rows_ahead, true_motion
 from swamp_rl.simulator.state import ACTUATORS
 from swamp_rl.simulator.step import simulate_in_weather
-from swamp_rl.simulator.substeps import substeps_of
+from swamp_rl.simulator.substeps import longest_substep, substeps_of
 from swamp_rl.simulator.weather import measured_weather
 
 Array = NDArray[np.float64]
 
 VELOCITIES = ("surge", "sway", "yaw_rate")
+MOST_STEPS = 10**8  # of the simulation of a run: half a minute of a processor, which no signal interrupts
 SPAN = 1.0  # s of track to either side of a row that its velocity is estimated from, where none was measured
 
 
@@ -28,6 +29,16 @@ def sample_step(run: Run) -> float:
     if len(run.time) < 2:
         raise UserError(f"run {run.name} has {len(run.time)} row(s); a replay needs two or more")
     return float(np.median(np.diff(run.time)))
+
+
+def refuse_endless(run: Run, boat: Boat) -> None:
+    """UserError for a run of more than `MOST_STEPS`, such as one whose times are in another unit."""
+    seconds = float(run.time[-1] - run.time[0])
+    if seconds > MOST_STEPS * longest_substep(boat):
+        raise UserError(
+            f"run {run.name} lasts {seconds:.3g} s, longer than a replay may; look at the unit of its times, "
+            "or divide it"
+        )
 
 
 def fixed_thrusters(boat: Boat) -> list[str]:
@@ -98,6 +109,7 @@ def replay(boat: Boat, run: Run, ignore: Sequence[str] = ()) -> Run:
     no commands of this boat.
     """
     dt = sample_step(run)
+    refuse_endless(run, boat)
     run.stacked(thruster.command_columns[1] for thruster in boat.thrusters)  # refuses another boat's run
     commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
     params = parameters(boat)

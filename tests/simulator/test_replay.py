@@ -1,15 +1,18 @@
 """Replaying a run's commands gives back a run that the simulator made, and says what it cannot replay."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from swamp_rl.boat import load_boat
+from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
 from swamp_rl.simulator.replay import replay, run_of, unused_columns, velocities_at
+from swamp_rl.simulator.restarts import replay_restarted
 from swamp_rl.simulator.state import HEADING
 from swamp_rl.simulator.substeps import substeps_of
 from tests.support.boats import Array, commands, track
@@ -35,6 +38,17 @@ def test_a_simulated_run_is_replayed_to_the_rounding_of_its_wrapped_heading() ->
     again = replay(BOAT, run)
     for name in ("north", "east", "surge", "sway", "yaw_rate", "applied_azimuth_bs"):
         assert np.allclose(again.columns[name], run.columns[name], rtol=0, atol=1e-9), name
+
+
+@pytest.mark.parametrize("of", [replay, lambda boat, run: replay_restarted(boat, run, 10.0)])
+@pytest.mark.parametrize("unit", [1e9, 1e300])
+def test_a_run_whose_times_are_in_another_unit_is_refused(
+    of: Callable[[Boat, Run], Any], unit: float
+) -> None:
+    run = recorded()
+    run.columns["time"] = unit * run.time
+    with pytest.raises(UserError, match="unit of its times"):
+        of(BOAT, run)
 
 
 def test_headings_are_written_between_minus_pi_and_pi() -> None:
