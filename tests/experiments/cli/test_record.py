@@ -151,7 +151,7 @@ def test_a_page_drives_a_served_vehicle_and_neither_its_end_nor_the_vehicles_goe
                 push(socket, lambda _: bool(vehicle.commands()[4:].any()))
             until(lambda: not vehicle.commands()[4:].any(), "the vehicle stops when the page has gone")
             with connect(f"ws://{host}/socket", origin=f"http://{host}") as socket:
-                push(socket, lambda _: bool(vehicle.commands()[4:].any()))
+                push(socket, lambda seen: seen["phase"] == "run" and bool(vehicle.commands()[4:].any()))
                 vehicle.dead.update(vehicle.addresses.sensors)
                 last = push(socket, lambda seen: seen["phase"] == "ended")
                 assert last["outcome"] == "link_lost" and "No telemetry" in last["trouble"]
