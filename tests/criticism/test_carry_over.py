@@ -89,6 +89,17 @@ def test_the_runs_weather_is_that_of_other_runs_only_if_these_are_predicted_bett
     assert (with_wind == boat_file).all() == (other is CALM)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("seconds", "known"), [(15.0, True), (5.0, False)])
+def test_short_runs_of_another_day_are_judged_as_far_ahead_as_they_last(seconds: float, known: bool) -> None:
+    continuation, winner = fitted(BLOWN, "wind")
+    rows = round(seconds / DT)
+    short = replace(CALM, measured=CALM.measured[:, :rows], lengths=np.array([rows]))
+    short = replace(short, commands=CALM.commands[:, :rows], within=None, instants=None)
+    on = Witness(short, weights(CALM, noise_levels(CALM))[:, :rows], others=True)
+    assert in_its_weather(on, continuation, winner, MIDDLE).apart is known
+
+
 def test_the_boats_own_effects_are_judged_on_runs_of_another_day() -> None:
     continuation, winner = fitted(
         zig_zag(WIND, {"effect": "thrust_scale", "scale": 0.8}), "thrust_scale", "wind"

@@ -73,16 +73,19 @@ class Witness:
 
 def in_its_weather(on: Witness, continuation: Continuation, of: Fit, stage: int) -> Witness:
     """Those runs, of another day if they are others that are predicted no better with the weather of the runs
-    fitted to than without it, as a fit at a stage has it.
+    fitted to than without it, as a fit at a stage has it: at the longest horizon that they allow.
     """
     calm = replace(on, apart=True)
     if all(on.judges(one) == calm.judges(one) for one in of.hypothesis.instances):
         return on
-    horizon = options().judged_horizons[-1]
-    fitted, without_it = (
-        np.nanmean(one.errors(continuation, stage, of, horizon)[0][:, POSITIONS] ** 2) for one in (on, calm)
-    )
-    return on if fitted < without_it else calm
+    for horizon in reversed(options().judged_horizons):
+        fitted, without_it = (
+            float(np.nansum(one.errors(continuation, stage, of, horizon)[0][:, POSITIONS] ** 2))
+            for one in (on, calm)
+        )
+        if fitted != without_it:
+            return on if fitted < without_it else calm
+    return on
 
 
 def witnesses(on: Witness, rng: np.random.Generator) -> list[Witness]:
