@@ -106,8 +106,8 @@ def resumed(case: Path, ended: Ended) -> str | None:
     for folder in out.glob("[!.]*/"):
         read_diagnosis(folder)
     if ended.code != 2:
-        told = Fleet.model_validate_json((out / "fleet.json").read_bytes())
-        if any(one.verdict is None and one.error is None for one in told.members):
+        summary = Fleet.model_validate_json((out / "fleet.json").read_bytes())
+        if any(one.verdict is None and one.error is None for one in summary.members):
             return "a dataset has neither a diagnosis nor an error"
     again = forked(partial(FLEET, case), LIMIT)
     if again.code != 0 or again.err:

@@ -177,7 +177,7 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
             yield f"  {in_file_names(cause.label)}{where}" + (f": {numbers}" if numbers else "")
         for name, value, interval, unit in spread_sets(cause):
             yield f"    {name}: {value} {unit} (95 % interval {interval})"
-        if sentence := share_text(cause, found.gain_on):
+        if sentence := share_text(cause, found):
             yield f"    {sentence}"
     for names in found.indistinguishable:
         yield f"  cannot be distinguished: {in_file_names('; '.join(names))}"

@@ -31,7 +31,7 @@ def sample_step(run: Run) -> float:
     return float(np.median(np.diff(run.time)))
 
 
-def refuse_endless(run: Run, boat: Boat) -> None:
+def refuse_too_long(run: Run, boat: Boat) -> None:
     """UserError for a run of more than `MOST_STEPS`, such as one whose times are in another unit."""
     seconds = float(run.time[-1] - run.time[0])
     if seconds > MOST_STEPS * longest_substep(boat):
@@ -109,7 +109,7 @@ def replay(boat: Boat, run: Run, ignore: Sequence[str] = ()) -> Run:
     no commands of this boat.
     """
     dt = sample_step(run)
-    refuse_endless(run, boat)
+    refuse_too_long(run, boat)
     run.stacked(thruster.command_columns[1] for thruster in boat.thrusters)  # refuses another boat's run
     commands = run.commands(boat.thruster_names, fixed_thrusters(boat))
     params = parameters(boat)

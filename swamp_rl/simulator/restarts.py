@@ -16,7 +16,7 @@ from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.parameters import parameters, tank
 from swamp_rl.simulator.replay import (
     fixed_thrusters,
-    refuse_endless,
+    refuse_too_long,
     run_of,
     sample_step,
     start_of,
@@ -60,7 +60,7 @@ def replay_restarted(boat: Boat, run: Run, seconds: float, ignore: Sequence[str]
     not lie on a grid.
     """
     dt = sample_step(run)
-    refuse_endless(run, boat)
+    refuse_too_long(run, boat)
     steps = _steps(run, seconds, dt)
     run.stacked(thruster.command_columns[1] for thruster in boat.thrusters)  # refuses another boat's run
     places = grid_rows(run, dt)

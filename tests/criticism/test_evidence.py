@@ -124,7 +124,7 @@ def test_a_cause_without_a_share_is_minor_unless_it_moves_predictions_by_more_th
 def test_a_cause_without_a_share_is_reported_by_how_far_it_moves_the_prediction() -> None:
     def sentence(*errors: float) -> str:
         cause = Cause(effect="mass", parameters={}, share=[share(*errors, moved=0.2)])
-        return share_text(cause, "other_runs")
+        return share_text(cause, Diagnosis.model_construct(gain_on="other_runs", gain=[]))
 
     assert sentence(2.0, 1.0) == "50 % of the position error 10 s ahead (2 m without it, 1 m with it)"
     assert sentence(2.0, 2.1) == (
@@ -134,9 +134,15 @@ def test_a_cause_without_a_share_is_reported_by_how_far_it_moves_the_prediction(
 
 
 def test_weather_without_a_share_on_other_runs_is_said_not_to_act_there() -> None:
-    wind = Cause(effect="wind", parameters={})
-    assert "another day" in share_text(wind, "other_runs")
-    assert share_text(wind, "same_run") == share_text(Cause(effect="mass", parameters={}), "other_runs") == ""
+    def sentence(effect: str, gain_on: str, horizon: float) -> str:
+        paired = Paired(before=2.0, after=1.0, ci95=(0.5, 1.5))
+        gain = Gain(horizon_s=horizon, restarts=9, blocks="windows", position_rmse_m=paired)
+        found = Diagnosis.model_construct(gain_on=gain_on, gain=[gain])
+        return share_text(Cause(effect=effect, parameters={}), found)
+
+    assert "another day" in sentence("wind", "other_runs", 30.0)
+    assert sentence("wind", "same_run", 30.0) == sentence("mass", "other_runs", 30.0) == ""
+    assert sentence("wind", "other_runs", 5.0) == ""  # too short for a share
 
 
 def test_a_cause_that_moves_predictions_by_more_than_the_noise_matters_beside_a_larger_error() -> None:

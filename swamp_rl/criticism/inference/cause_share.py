@@ -72,8 +72,8 @@ class Witness:
 
 
 def in_its_weather(on: Witness, continuation: Continuation, of: Fit, stage: int) -> Witness:
-    """Those runs, of another day if they are others that are predicted no better with the weather of the runs
-    fitted to than without it, as a fit at a stage has it: at the longest horizon that they allow.
+    """The witness, `apart` if the weather of the runs fitted to, as a fit at a stage has it, does not reduce
+    the position error of other runs, at the longest horizon that these allow.
     """
     calm = replace(on, apart=True)
     if all(on.judges(one) == calm.judges(one) for one in of.hypothesis.instances):

@@ -2,9 +2,10 @@
 
 import html
 
+from swamp_rl.criticism.options import options
 from swamp_rl.criticism.report.figures import SHOWN
 from swamp_rl.criticism.report.words import readable, shown_unit
-from swamp_rl.criticism.result import Cause, Diagnosis, GainOn, Share
+from swamp_rl.criticism.result import Cause, Diagnosis, Share
 from swamp_rl.effects import LIBRARY
 from swamp_rl.html_page import minus
 
@@ -111,14 +112,16 @@ def share_rows(causes: list[Cause]) -> list[tuple[str, ...]]:
     ]
 
 
-def share_text(cause: Cause, gain_on: GainOn) -> str:
+def share_text(cause: Cause, found: Diagnosis) -> str:
     """The share of the position error at the longest horizon, and where that is none, by how much the cause
-    moves the prediction; empty where none was measured, but for weather that is not that of other runs.
+    moves the prediction. Where none was measured it is empty, unless the cause is weather that was not
+    applied to held-out runs.
     """
     positions = [one for one in cause.share if one.quantity == "position_rmse_m" and one.wind == "fitted"]
     if not positions:
-        of_other_runs = gain_on == "other_runs" and LIBRARY[cause.effect].scope != "boat"
-        return "not applied to the held-out runs, which may be of another day" if of_other_runs else ""
+        weather = LIBRARY[cause.effect].scope != "boat" and found.gain_on == "other_runs"
+        judged = any(one.position_rmse_m for one in found.gain if one.horizon_s in options().judged_horizons)
+        return "not applied to the held-out runs, which may be of another day" if weather and judged else ""
     one = positions[-1]
     errors = f"{one.without:.3g} m without it, {one.with_cause:.3g} m with it"
     if one.with_cause < one.without:
