@@ -11,6 +11,10 @@ OF_TIME = 0.22
 thirty lengths under random throttles."""
 
 
+SLACK = 0.01
+"""Share by which a step may be longer than that: the rate of a log is no round number."""
+
+
 def substeps_of(dt: float, boat: Boat) -> int:
     """Runge-Kutta steps that a control step of dt [s] is divided into."""
     return substeps_in(dt, longest_substep(boat))
@@ -22,5 +26,5 @@ def longest_substep(boat: Boat) -> float:
 
 
 def substeps_in(dt: float, longest: float) -> int:
-    """Equal steps of at most `longest` [s] that a control step of dt [s] is divided into."""
-    return max(1, math.ceil(dt / longest - 1e-9))
+    """Equal steps of about `longest` [s] at most that a control step of dt [s] is divided into."""
+    return max(1, math.ceil(dt / (longest * (1.0 + SLACK))))

@@ -11,7 +11,7 @@ import pytest
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
-from swamp_rl.simulator.replay import replay, run_of, unused_columns, velocities_at
+from swamp_rl.simulator.replay import replay, run_of, sample_step, unused_columns, velocities_at
 from swamp_rl.simulator.restarts import replay_restarted
 from swamp_rl.simulator.state import HEADING
 from swamp_rl.simulator.substeps import substeps_of
@@ -49,6 +49,20 @@ def test_a_run_whose_times_are_in_another_unit_is_refused(
     run.columns["time"] = unit * run.time
     with pytest.raises(UserError, match="unit of its times"):
         of(BOAT, run)
+
+
+def test_a_log_that_counts_seconds_from_1970_is_sampled_and_integrated_as_any_other() -> None:
+    times = 1_764_000_000.123 + 0.1 * np.arange(300)  # which a float holds to 2e-7 s
+    step = sample_step(Run("log", {"time": times}))
+    assert abs(step - 0.1) < 1e-8
+    assert substeps_of(step, BOAT) == substeps_of(0.1, BOAT) == 1
+
+
+def test_the_sample_step_of_a_log_with_lost_rows_and_uneven_stamps_is_that_of_its_clock() -> None:
+    rng = np.random.default_rng(3)
+    rows = np.flatnonzero(rng.uniform(size=600) > 0.1)
+    times = 0.0997 * (rows + rng.uniform(-0.2, 0.2, len(rows)))
+    assert abs(sample_step(Run("log", {"time": times})) / 0.0997 - 1.0) < 2e-3
 
 
 def test_headings_are_written_between_minus_pi_and_pi() -> None:
