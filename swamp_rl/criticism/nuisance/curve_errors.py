@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
 
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.force_sensitivity import AXES
@@ -114,11 +115,11 @@ def marginal(of: Quadratic, power: Array, variance: float) -> Marginal:
     information = of.information - np.einsum("wuf,wvf->uv", gain, of.cross, optimize=True)
     information += np.diag(np.concatenate([of.precision, np.full(weights, 1.0 / variance)]))
     gradient = of.gradient - np.einsum("wuf,wf->u", gain, own)
-    covariance = inverse(information)
+    covariance, determinant = _covariance(information, p)
     common = covariance @ gradient
     explained = float(common @ gradient + np.einsum("wf,wfg,wg->", own, spread, own, optimize=True))
     volume = -np.linalg.slogdet(spread)[1].sum() - len(own) * np.linalg.slogdet(prior)[1]
-    volume += np.linalg.slogdet(information[p:, p:])[1] + weights * np.log(variance)
+    volume += determinant + weights * np.log(variance)
     force = (spread @ (own - common @ of.cross)[..., None])[..., 0]
     doubt = (spread + np.swapaxes(gain, 1, 2) @ covariance @ gain).sum(axis=0)
     squares = (doubt + force.T @ force).reshape(pieces, AXES, pieces, AXES)
@@ -128,6 +129,24 @@ def marginal(of: Quadratic, power: Array, variance: float) -> Marginal:
         np.einsum("bc,baca->a", of.alike, squares) / (len(own) * pieces),
         float((common[p:] ** 2 + np.diag(covariance)[p:]).mean()),
     )
+
+
+def _covariance(information: Array, p: int) -> tuple[Array, float]:
+    """Inverse of an information matrix (U, U), and the logarithm of the determinant of its block of all but
+    the first p numbers, which has a prior; infinite where a simulation diverged.
+    """
+    if not np.isfinite(information).all():
+        return np.full_like(information, np.inf), np.inf
+    across, ridge = information[:p, p:], np.diag(1e-12 * np.diag(information)[p:])
+    factor = cho_factor(information[p:, p:] + ridge, lower=True)
+    own = cho_solve(factor, np.eye(len(ridge)))
+    by = across @ own
+    covariance = np.empty_like(information)
+    covariance[:p, :p] = inverse(information[:p, :p] - by @ across.T)
+    covariance[:p, p:] = -covariance[:p, :p] @ by
+    covariance[p:, :p] = covariance[:p, p:].T
+    covariance[p:, p:] = own - by.T @ covariance[:p, p:]
+    return covariance, 2.0 * float(np.log(np.diag(factor[0])).sum())
 
 
 def most_likely(of: Quadratic, scale: Array) -> Marginal:
