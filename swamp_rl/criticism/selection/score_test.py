@@ -268,19 +268,18 @@ def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
         min(options().highest_wave * rate, options().wave_sampling / problem.dt),
         1.0 / (options().wave_fineness * longest),
     )
-    found = []
-    for frequency in frequencies:
-        phase = 2 * np.pi * frequency * time
-        basis = np.concatenate(
-            [turns * np.sin(phase)[..., None, None], turns * np.cos(phase)[..., None, None]], axis=3
-        ).reshape(problem.windows.count, -1, 4)
-        found.append(_gain_and_amplitudes(normal.information, normal.gradient, basis, p))
-    gains = np.array([gain for gain, _ in found])
+    made, together = [], max(1, options().chunk_bytes // (2 * turns.nbytes))
+    for some in np.split(frequencies, range(together, len(frequencies), together)):
+        phase = 2.0 * np.pi * time[..., None] * some
+        waves = np.stack([np.sin(phase), np.cos(phase)], axis=-1)
+        basis = np.einsum("wbae,wbft->wbafte", turns, waves).reshape(time.shape[0], -1, len(some), 4)
+        made.append(_gains_and_amplitudes(normal.information, normal.gradient, basis, p))
+    gains, amplitudes = (np.concatenate(part) for part in zip(*made, strict=True))
     reach = options().peak_reach
     tops = [gains[max(0, i - reach) : i + reach + 1].max() for i in range(len(gains))]
     peaks = [i for i in np.argsort(-gains) if gains[i] == tops[i]][: options().wave_peaks]
-    waves = ((frequencies[i], *_polarised(found[i][1])) for i in peaks)
-    return [np.array([south, frequency, west, phase]) for frequency, south, west, phase in waves]
+    found = ((frequencies[i], *_polarised(amplitudes[i])) for i in peaks)
+    return [np.array([south, frequency, west, phase]) for frequency, south, west, phase in found]
 
 
 def _turns(problem: Shooting, at: Fit, block: int, count: int) -> Array:
@@ -291,18 +290,25 @@ def _turns(problem: Shooting, at: Fit, block: int, count: int) -> Array:
     return np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=-2)
 
 
-def _gain_and_amplitudes(information: Array, gradient: Array, basis: Array, p: int) -> tuple[float, Array]:
-    """Fall of chi2 beside the p other parameters, and four amplitudes, for basis (W, B axes, 4)."""
-    H = np.zeros((p + 4, p + 4))
-    H[:p, :p] = information[:, :p, :p].sum(axis=0)
-    cross = np.einsum("wpb,wbk->pk", information[:, :p, p:], basis)
-    H[:p, p:], H[p:, :p] = cross, cross.T
-    H[p:, p:] = np.einsum("wbk,wbl->kl", basis, information[:, p:, p:] @ basis)
-    g = np.concatenate([gradient[:, :p].sum(axis=0), np.einsum("wb,wbk->k", gradient[:, p:], basis)])
-    if not (np.isfinite(H).all() and np.isfinite(g).all()):  # a simulation diverged
-        return 0.0, np.zeros(4)
-    solved = inverse(H) @ g
-    return float(g @ solved), solved[p:]
+def _gains_and_amplitudes(information: Array, gradient: Array, basis: Array, p: int) -> tuple[Array, Array]:
+    """Fall of chi2 (F,) beside the p other parameters, and amplitudes (F, 4), of F forces; basis: (W, B axes,
+    F, 4). None where a simulation diverged.
+    """
+    windows, pieces, count, _ = basis.shape
+    columns = basis.reshape(windows * pieces, -1)
+    bent = (information[:, p:, p:] @ basis.reshape(windows, pieces, -1)).reshape(-1, count, 4)
+    H = np.einsum("nfk,nfl->fkl", columns.reshape(-1, count, 4), bent, optimize=True)
+    g = gradient[:, p:].ravel() @ columns
+    if p:
+        cross = np.swapaxes(information[:, :p, p:], 0, 1).reshape(p, -1) @ columns
+        beside = cross.T @ inverse(information[:, :p, :p].sum(axis=0))
+        g = g - beside @ gradient[:, :p].sum(axis=0)
+        H = H - np.einsum("fkp,pfl->fkl", beside.reshape(count, 4, p), cross.reshape(p, count, 4))
+    g = g.reshape(count, 4)
+    finite = np.isfinite(H).all(axis=(1, 2)) & np.isfinite(g).all(axis=1)
+    H, g = np.where(finite[:, None, None], H, 0.0), np.where(finite[:, None], g, 0.0)
+    amplitudes = (np.linalg.pinv(H, rcond=1e-12, hermitian=True) @ g[..., None])[..., 0]
+    return (g * amplitudes).sum(axis=1), amplitudes
 
 
 def _polarised(numbers: Array) -> tuple[float, float, float]:
