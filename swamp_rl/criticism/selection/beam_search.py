@@ -20,7 +20,7 @@ from swamp_rl.criticism.selection.backward_elimination import (
 )
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 from swamp_rl.criticism.selection.exchange_search import exchange_search, single_exchanges
-from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
+from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests, score_tests_from_neutral
 from swamp_rl.criticism.selection.small_effects import with_slow_effects, with_small_effects
 
 
@@ -178,10 +178,13 @@ def _unidentifiable(scores: Sequence[ScoreTest]) -> list[str]:
 def _is_significant(
     continuation: Continuation, stage: int, at: Fit, instances: Sequence[EffectInstance]
 ) -> bool:
-    """Whether a score test exceeds an effect's required gain and a fit attains it."""
+    """Whether a score test exceeds an effect's required gain and a fit attains it: from its neutral values,
+    since the residual is noise; the tests beside the boat file are those that the search began with.
+    """
     here = continuation.at(stage, at)
     problem = continuation.problem(stage, here.hypothesis)
-    for one in score_tests(problem, here, instances):
+    tests = score_tests_from_neutral if here.hypothesis.instances else score_tests
+    for one in tests(problem, here, instances):
         least = continuation.criterion.required_gain(here.hypothesis, one.instance)
         if here.chi2 - one.expected_chi2 > least:
             made = fit(problem, one.hypothesis, one.x, here.states, options().check_steps)
