@@ -86,7 +86,7 @@ def conclude(
         if stage >= LAST:
             best = beside_kinks(continuation, best, stage)
         best = pruned(continuation, best, stage)
-    confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons)
+    confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons, stage)
     for label, one in confirmed.items():
         if adequate and not one.gains:
             less = without(continuation, best, label, stage)
@@ -126,7 +126,7 @@ def _with_rivals(
         best, rivals = less, [one for one in rivals if continuation.criterion(one) < least]
     best = with_special_cases(continuation, best, instances, stage)
     rivals = [with_special_cases(continuation, one, instances, stage) for one in rivals]
-    new = _new_confirmations(continuation, found, best, instances)
+    new = _new_confirmations(continuation, replace(found, stage=stage), best, instances)
     if new is None:
         rivals = [best] if found.winner.hypothesis.instances else []
         best, stage, new = plain, found.stage, _new_confirmations(continuation, found, plain, instances)
@@ -149,7 +149,8 @@ def _new_confirmations(
 ) -> dict[str, Confirmation] | None:
     """Confirmations of the effects of a fit that the selection does not have; None if one gains nothing."""
     put = [instance for instance in best.hypothesis.instances if instance.label not in found.confirmed]
-    new = confirmations(continuation, best, put, len(instances) * (1 + len(best.hypothesis.instances)))
+    comparisons = len(instances) * (1 + len(best.hypothesis.instances))
+    new = confirmations(continuation, best, put, comparisons, found.stage)
     return new if all(one.gains for one in new.values()) else None
 
 
@@ -162,7 +163,8 @@ def without_unconfirmed(
         worst = min(confirmed, key=lambda label: confirmed[label].low)
         best = without(continuation, best, worst, found.stage)
         comparisons = len(instances) * (1 + len(best.hypothesis.instances))
-        confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons)
+        every = best.hypothesis.instances
+        confirmed = confirmations(continuation, best, every, comparisons, found.stage)
     return replace(found, winner=best, confirmed=confirmed)
 
 
@@ -223,9 +225,11 @@ def indispensable(continuation: Continuation, best: Fit, label: str, stage: int)
 
 
 def confirmations(
-    continuation: Continuation, best: Fit, causes: Sequence[EffectInstance], comparisons: int
+    continuation: Continuation, best: Fit, causes: Sequence[EffectInstance], comparisons: int, judged: int
 ) -> dict[str, Confirmation]:
-    """Of some causes of the best fit: the gain on runs that its parameters were not fitted to."""
+    """Of some causes of the best fit: the gain on runs that its parameters were not fitted to, on the
+    shortest windows on which it is significant, else at the stage `judged`.
+    """
     found: dict[str, Confirmation] = {}
     for instance in causes:
         if instance.effect.nuisance and len(best.hypothesis.instances) > 1:
@@ -234,8 +238,7 @@ def confirmations(
             whole = continuation.at(stage, best)
             less = without(continuation, whole, instance.label, stage)
             one = confirmed_on(continuation, stage, whole, less, options().stages_tested * comparisons)
-            known = found.get(instance.label)
-            if known is None or (one.gains, one.low) > (known.gains, known.low):
+            if one.holds or stage == min(judged, LAST):
                 found[instance.label] = one
             if one.holds:
                 break
