@@ -35,21 +35,45 @@ def styled(style: Any = STYLE) -> Iterator[None]:
 
 
 @contextmanager
-def sheet(path: Path, width: float, height: float) -> Iterator[Any]:
-    """A new figure [inches], saved as PNG at the end of the block; imports matplotlib only here."""
+def sheet(path: Path, width: float, height: float, fitted: bool = True) -> Iterator[Any]:
+    """A new figure [inches], saved as PNG at the end of the block; imports matplotlib only here.
+
+    fitted: the margins are fitted to the labels, which takes as long as drawing the figure twice; those of
+    `spaced_axes` are not.
+    """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     with styled():
-        figure = Figure(figsize=(width, height), layout=ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06))
+        layout = ConstrainedLayoutEngine(h_pad=0.06, w_pad=0.06) if fitted else None
+        figure = Figure(figsize=(width, height), layout=layout)
         FigureCanvasAgg(figure)
         yield figure
         save(figure, path)
 
 
+def spaced_axes(figure: Any, rows: int, columns: int, labelled: bool = True, **shared: Any) -> Any:
+    """Axes (rows, columns) with room for labels, and for a legend above; labelled: each has tick labels of
+    its own.
+    """
+    width, height = figure.get_size_inches()
+    left, right, bottom = 0.72, 0.14, 0.5  # inches
+    between, above, top = (0.78, 0.75, 0.62) if labelled else (0.14, 0.16, 0.36)
+    figure.subplots_adjust(
+        left=left / width,
+        right=1.0 - right / width,
+        bottom=bottom / height,
+        top=1.0 - top / height,
+        wspace=between * columns / (width - left - right - (columns - 1) * between),
+        hspace=above * rows / (height - bottom - top - (rows - 1) * above),
+    )
+    return figure.subplots(rows, columns, squeeze=False, **shared)
+
+
 def save(figure: Any, path: Path, **options: Any) -> None:
-    """Write a figure with a layout engine; `savefig` alone would draw it twice, once for the layout."""
-    figure.get_layout_engine().execute(figure)
-    figure.set_layout_engine(None)
+    """Write a figure; with a layout engine `savefig` alone would draw it twice, once for the layout."""
+    if figure.get_layout_engine():
+        figure.get_layout_engine().execute(figure)
+        figure.set_layout_engine(None)
     figure.savefig(path, **options)

@@ -17,7 +17,7 @@ from swamp_rl.criticism.likelihood.prediction_error import QUANTITIES, errors_at
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.report.words import force_name
 from swamp_rl.criticism.result import Diagnosis
-from swamp_rl.figure_style import sheet
+from swamp_rl.figure_style import sheet, spaced_axes
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ SHOWN = {
 
 def draw(path: Path, finding: Finding, picture: Callable[[Any, Finding], None]) -> Path:
     """Save a picture as PNG; returns `path`."""
-    with sheet(path, 10.5, 6.0) as figure:
+    with sheet(path, 10.5, 6.0, fitted=False) as figure:
         picture(figure, finding)
     return path
 
@@ -64,7 +64,7 @@ def draw_tracks(figure: Any, finding: Finding) -> None:
     runs = min(SHOWN_RUNS, len(run_set.lengths))
     rows, columns = (2, math.ceil(runs / 2)) if runs > 3 else (1, runs)
     figure.set_size_inches(10.5, 3.9 * rows)
-    grid = figure.subplots(rows, columns, squeeze=False).ravel()
+    grid = spaced_axes(figure, rows, columns).ravel()
     rough = finding.diagnosis.noise.get("north", 0.0) > ROUGH * run_set.boat.length
     seconds = min(WINDOW, 0.4 * float(run_set.lengths[:runs].min()) * run_set.dt)
     for run, axes in enumerate(grid[:runs]):
@@ -101,7 +101,7 @@ def _legend(figure: Any, entries: dict[str, dict[str, Any]]) -> None:
     from matplotlib.lines import Line2D
 
     handles = [Line2D([], [], label=label, **style) for label, style in entries.items()]
-    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    figure.legend(handles=handles, loc="upper center", ncols=len(handles), borderaxespad=0.2)
 
 
 def draw_errors(figure: Any, finding: Finding) -> None:
@@ -114,7 +114,7 @@ def draw_errors(figure: Any, finding: Finding) -> None:
         return
     own = finding.diagnosis.gain_on != "other_runs"
     perfect = perfect_errors(finding, np.random.default_rng(0)) if own else {}
-    for axes, name in zip(figure.subplots(1, len(names), squeeze=False)[0], names, strict=True):
+    for axes, name in zip(spaced_axes(figure, 1, len(names))[0], names, strict=True):
         title, unit, factor, channel = SHOWN[name]
         kept = [(gain.horizon_s, paired) for gain in gains if (paired := getattr(gain, name))]
         horizons = [horizon for horizon, _ in kept]
@@ -202,7 +202,7 @@ def draw_forces(figure: Any, finding: Finding) -> None:
         every.append(residual_forces(finding.run_set, finding.weight, at.hypothesis, at.x))
     chosen = shown_variables(finding.run_set, before, thrusters_of_causes(finding.diagnosis))
     figure.set_size_inches(10.5, 6.3)
-    axes = figure.subplots(3, len(chosen), squeeze=False, sharey="row", sharex="col")
+    axes = spaced_axes(figure, 3, len(chosen), labelled=False, sharey="row", sharex="col")
     titles = ("surge force [N]", "sway force [N]", "yaw moment [N m]")
     for row, title in enumerate(titles):
         largest = max(float(np.quantile(np.abs(one.force[:, row]), 0.93)) for one in every)
@@ -252,7 +252,7 @@ def draw_missing(figure: Any, finding: Finding) -> None:
     """Each residual force as a function of its variable, with its 95 % interval."""
     functions = [one for one in finding.diagnosis.leftover if one.curve]
     figure.set_size_inches(10.5, 3.2)
-    axes = figure.subplots(1, max(3, len(functions)), squeeze=False)[0]
+    axes = spaced_axes(figure, 1, max(3, len(functions)))[0]
     for ax in axes[len(functions) :]:
         ax.set_visible(False)
     for ax, one in zip(axes, functions, strict=False):
