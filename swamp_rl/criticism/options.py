@@ -218,7 +218,7 @@ class Options:
     followed: int = 4  # of them, those that are fitted to longer windows
     least_information: float = 10.0  # squared typical size over variance: a standard error of a third of it
     jump_part: int = 4  # windows of which one is fitted first for an effect without parameters
-    jump_windows: int = 16  # windows in all, from which that is done
+    jump_windows: int = 12  # windows in all, from which that is done
     follow_share: float = 0.2  # of the best gain by which another may be worse and still be followed
     follow_beam: float = 200.0  # chi2 by which it may be worse in any case
     follow_adequate: float = 100.0  # the same where the best is adequate

@@ -154,14 +154,16 @@ def _closest(continuation: Continuation, fitted: Iterable[Fit]) -> Fit:
 
 
 def _followed(continuation: Continuation, stage: int, fitted: list[Fit]) -> list[Fit]:
-    """Of fits at a stage, the best first: those that are fitted to the middle windows."""
+    """Of fits at a stage, the best first: those that are fitted to the middle windows, at least the best: an
+    instant that the shortest windows missed, such as a failure's, may be found there.
+    """
     criterion = continuation.criterion
     best = criterion(fitted[0])
     room = options().follow_adequate
     if not continuation.is_adequate(stage, fitted[0]):
         room += options().follow_inadequate * best
     close = [one for one in fitted[: options().followed] if criterion(one) < best + room]
-    return [one for one in close if near(continuation.problems[stage], one)]
+    return [one for one in close if near(continuation.problems[stage], one)] or close[:1]
 
 
 def _is_sufficient(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> bool:
