@@ -209,10 +209,11 @@ def _sufficient_nuisance(
     windows, and which of them; deep: other than position noise.
     """
     if not deep:
-        nothing = continuation.boat_file(MIDDLE)
-        if _position_noise_beside(continuation.problems[MIDDLE], nothing)[1] > nothing.chi2 - at.chi2:
+        nothing, problem = continuation.boat_file(MIDDLE), continuation.problems[MIDDLE]
+        if _position_noise_beside(problem, nothing)[1] > nothing.chi2 - at.chi2:
             return "position noise", nothing
-        if _is_position_noise_sufficient(continuation, at):
+        _, gain, is_white = _position_noise_beside(problem, at)
+        if gain > 0.0 and is_white:
             return "position noise", at
     return ("commands", at) if sufficient_reconstruction(continuation, at, logged) else None
 
@@ -319,18 +320,19 @@ def _residual_noise(continuation: Continuation, winner: Fit, stage: int) -> tupl
     first = _gauss_markov_noise(problem, at)
     if not (first[:, 0] > 0).any():
         return None, first
-    noise, gain = _position_noise_beside(problem, at)
+    noise, gain, _ = _position_noise_beside(problem, at)
     return ("measurement" if gain > 0.0 else "process"), noise
 
 
-def _position_noise_beside(problem: Shooting, at: Fit) -> tuple[Array, float]:
-    """Gauss-Markov noise (6, 2) beside a fit, and the gain in 2 log likelihood by that of the positions; none
-    where other channels have noise or process noise is the more likely.
+def _position_noise_beside(problem: Shooting, at: Fit) -> tuple[Array, float, bool]:
+    """Gauss-Markov noise (6, 2) beside a fit, the gain in 2 log likelihood by that of the positions, none
+    where other channels have noise or process noise is the more likely, and whether a fit with it leaves
+    little more than white noise.
     """
     noise, aware, made = _fit_with_noise(problem, at)
     gain = measurement_noise_gain(at, aware, made)
     alone = _of_positions_alone(noise) and gain > process_noise_gain(problem, at)
-    return noise, gain if alone else 0.0
+    return noise, gain if alone else 0.0, near(aware, made)
 
 
 def _fit_with_noise(problem: Shooting, white: Fit) -> tuple[Array, Shooting, Fit]:
@@ -339,6 +341,8 @@ def _fit_with_noise(problem: Shooting, white: Fit) -> tuple[Array, Shooting, Fit
     """
     aware, at, noise = problem, white, _gauss_markov_noise(problem, white)
     for _ in range(options().wander_rounds):
+        if not (noise[POSITIONS, 0] > 0).any():
+            break
         run_set = replace(problem.run_set, gauss_markov=_only_positions(noise))
         aware = Shooting(run_set, problem.weight, problem.seconds, problem.windows)
         at = fit(aware, at.hypothesis, at.x, at.states, options().again_steps)
