@@ -76,16 +76,18 @@ def conclude(
     unidentifiable: list[str],
     instances: Sequence[EffectInstance],
 ) -> Selection:
-    """The selection after elimination and confirmation of `best`; instances: all candidates."""
+    """The selection after elimination and confirmation of `best` where it is adequate; instances: all
+    candidates.
+    """
     comparisons = len(instances) * (1 + len(best.hypothesis.instances))
     best = beside_kinks(continuation, best, MIDDLE)
-    deepest = adequate_stage(continuation, best)
-    stage, adequate = deepest or 1, deepest is not None
-    if adequate:
-        stage, best = next(adequate_whole(continuation, best), (stage, best))
-        if stage >= LAST:
-            best = beside_kinks(continuation, best, stage)
-        best = pruned(continuation, best, stage)
+    stage = adequate_stage(continuation, best)
+    if stage is None:
+        return Selection(best, False, MIDDLE, [], tried, first, unidentifiable)
+    stage, best = next(adequate_whole(continuation, best), (stage, best))
+    if stage >= LAST:
+        best = beside_kinks(continuation, best, stage)
+    best, adequate = pruned(continuation, best, stage), True
     confirmed = confirmations(continuation, best, best.hypothesis.instances, comparisons, stage)
     for label, one in confirmed.items():
         if adequate and not one.gains:
@@ -158,14 +160,15 @@ def without_unconfirmed(
     continuation: Continuation, found: Selection, instances: Sequence[EffectInstance]
 ) -> Selection:
     """An inadequate selection without the causes that no held-out run confirms, the least confirmed first."""
-    best, confirmed = found.winner, found.confirmed
-    while not all(one.holds for one in confirmed.values()):
+    best = found.winner
+    while True:
+        every = best.hypothesis.instances
+        comparisons = len(instances) * (1 + len(every))
+        confirmed = confirmations(continuation, best, every, comparisons, found.stage)
+        if all(one.holds for one in confirmed.values()):
+            return replace(found, winner=best, confirmed=confirmed)
         worst = min(confirmed, key=lambda label: confirmed[label].low)
         best = without(continuation, best, worst, found.stage)
-        comparisons = len(instances) * (1 + len(best.hypothesis.instances))
-        every = best.hypothesis.instances
-        confirmed = confirmations(continuation, best, every, comparisons, found.stage)
-    return replace(found, winner=best, confirmed=confirmed)
 
 
 def without(continuation: Continuation, best: Fit, label: str, stage: int) -> Fit:
