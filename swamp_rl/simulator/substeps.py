@@ -12,7 +12,7 @@ thirty lengths under random throttles."""
 
 
 SLACK = 0.01
-"""Share by which a step may be longer than that: the rate of a log is no round number."""
+"""Share by which a step may be longer than the longest: the sample step of a log is rounded."""
 
 
 def substeps_of(dt: float, boat: Boat) -> int:
@@ -26,5 +26,5 @@ def longest_substep(boat: Boat) -> float:
 
 
 def substeps_in(dt: float, longest: float) -> int:
-    """Equal steps of about `longest` [s] at most that a control step of dt [s] is divided into."""
+    """Equal steps that a control step of dt [s] is divided into, at most `longest` [s] but for `SLACK`."""
     return max(1, math.ceil(dt / (longest * (1.0 + SLACK))))
