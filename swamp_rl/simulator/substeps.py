@@ -28,3 +28,8 @@ def longest_substep(boat: Boat) -> float:
 def substeps_in(dt: float, longest: float) -> int:
     """Equal steps that a control step of dt [s] is divided into, at most `longest` [s] but for `SLACK`."""
     return max(1, math.ceil(dt / (longest * (1.0 + SLACK))))
+
+
+def steps_over(seconds: float, dt: float) -> int:
+    """Steps of dt [s] that cover `seconds`, but for `SLACK` of the last one: both numbers are rounded."""
+    return math.ceil(seconds / dt - SLACK)

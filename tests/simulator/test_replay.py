@@ -54,8 +54,15 @@ def test_a_run_whose_times_are_in_another_unit_is_refused(
 def test_a_log_that_counts_seconds_from_1970_is_sampled_and_integrated_as_any_other() -> None:
     times = 1_764_000_000.123 + 0.1 * np.arange(300)  # which a float holds to 2e-7 s
     step = sample_step(Run("log", {"time": times}))
-    assert abs(step - 0.1) < 1e-6
+    assert abs(step - 0.1) < 1e-8
     assert substeps_of(step, BOAT) == substeps_of(0.1, BOAT) == 1
+
+
+def test_the_sample_step_of_a_log_with_lost_rows_and_uneven_stamps_is_that_of_its_clock() -> None:
+    rng = np.random.default_rng(3)
+    rows = np.flatnonzero(rng.uniform(size=600) > 0.1)
+    times = 0.0997 * (rows + rng.uniform(-0.2, 0.2, len(rows)))
+    assert abs(sample_step(Run("log", {"time": times})) / 0.0997 - 1.0) < 2e-3
 
 
 def test_headings_are_written_between_minus_pi_and_pi() -> None:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
+from swamp_rl.simulator.substeps import steps_over
 
 Array = NDArray[np.float64]
 
@@ -57,8 +58,8 @@ def cut(run_set: RunSet, weight: Array, seconds: float, before: float | None = N
 
     A run is cut in a power of two, so that longer windows start where shorter ones do, and at every gap.
     """
-    pad = math.ceil((options().pad if before is None else before) / run_set.dt)
-    shortest = math.ceil(options().shortest_window / run_set.dt)
+    pad = steps_over(options().pad if before is None else before, run_set.dt)
+    shortest = steps_over(options().shortest_window, run_set.dt)
     rows: list[tuple[int, int, int]] = []
     for run, length in enumerate(run_set.lengths):
         transient = max(pad, int(run_set.first_compared[run]))

@@ -20,7 +20,7 @@ from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import initial_state, simulate, tank
 from swamp_rl.simulator.state import ACTUATORS
-from swamp_rl.simulator.substeps import substeps_of
+from swamp_rl.simulator.substeps import steps_over, substeps_of
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -186,7 +186,7 @@ def _problem(question: Question, commands: Array) -> Shooting:
     sailed = names, commands, np.zeros((trials, steps, 6)), np.full(trials, steps)
     planned = RunSet(run_set.boat, run_set.dt, *sailed, gauss_markov=run_set.gauss_markov)
     weight = np.where(np.isfinite(question.sigmas), 1.0 / question.sigmas, 0.0)
-    transient = math.ceil(options().least_transient / run_set.dt)
+    transient = steps_over(options().least_transient, run_set.dt)
     pieces = max(1, round((steps - transient) * run_set.dt / window_lengths(run_set.boat)[1]))
     length = (steps - transient) // pieces
     weights = np.tile(weight, (trials * pieces, length, 1))

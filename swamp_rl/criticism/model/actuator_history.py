@@ -1,6 +1,5 @@
 """Azimuths and throttles along runs from the commands, and from when on the start is irrelevant."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from swamp_rl.criticism.model.rollout import roll_actuators
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import initial_state, parameters
 from swamp_rl.simulator.state import ACTUATORS
+from swamp_rl.simulator.substeps import steps_over
 
 Array = NDArray[np.float64]
 
@@ -61,4 +61,4 @@ def first_compared(boat: Boat, commands: Array, lengths: NDArray[np.int64], dt: 
         np.arange(commands.shape[1]) < lengths[:, None]
     )
     last = np.where(differ.any(axis=1), differ.shape[1] - np.argmax(differ[:, ::-1], axis=1), 0)
-    return np.maximum(math.ceil(options().least_transient / dt), np.minimum(last, lengths // 2))
+    return np.maximum(steps_over(options().least_transient, dt), np.minimum(last, lengths // 2))

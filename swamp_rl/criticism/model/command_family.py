@@ -10,6 +10,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import parameters
+from swamp_rl.simulator.substeps import steps_over
 
 Array = NDArray[np.float64]
 
@@ -108,5 +109,5 @@ def command_family(boat: Boat, dt: float, seconds: float, throttle: float) -> Co
     rows = np.concatenate(list(manoeuvres(boat, dt, seconds).values()))
     mirrored = rows * np.concatenate([-np.ones(count), np.ones(count)])
     palette = np.unique(np.round(np.concatenate([rows, mirrored]), 9), axis=0)
-    hold = math.ceil(max(options().trial_hold, slowest) / dt - 1e-9)
+    hold = steps_over(max(options().trial_hold, slowest), dt)
     return CommandFamily(hold, round(seconds / dt), palette, low, high)

@@ -1,6 +1,5 @@
 """Commands during lost rows: the sequence that fits the measurement best."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -16,6 +15,7 @@ from swamp_rl.criticism.likelihood.output_error import Fit, fit_states
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.nuisance.command_timing import are_stepwise
 from swamp_rl.criticism.options import options
+from swamp_rl.simulator.substeps import steps_over
 
 Array = NDArray[np.float64]
 
@@ -140,7 +140,7 @@ def _windows_of_each(
     commands = run_set.commands[runs]
     for given, start, count, (_, reading) in zip(commands, row, lost, rows, strict=True):
         given[start : start + count] = reading
-    around = math.ceil(options().around_gap / run_set.dt)
+    around = steps_over(options().around_gap, run_set.dt)
     first = np.maximum(0, row - around)
     several = run_set.copies(runs.tolist(), commands)
     steps = np.minimum(run_set.lengths[runs] - 1, row + lost + around) - first

@@ -16,6 +16,7 @@ from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import SmoothedNoise
+from swamp_rl.simulator.substeps import steps_over
 
 Array = NDArray[np.float64]
 
@@ -62,7 +63,7 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothe
     """Of one channel (R, T), None where its noise is white: judged where commands change as little over the
     longer stride as over one sample, so that both differences hold as little of the motion.
     """
-    before = math.ceil(options().settled / dt)
+    before = steps_over(options().settled, dt)
     of_strides = {s: _third_differences(values, activity, s, before) for s in options().strides}
     judged = _third_differences(values, activity, options().judged_stride, before)
     quiet = _median_rate(*of_strides[1])
