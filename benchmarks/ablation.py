@@ -84,7 +84,8 @@ def is_right(found: Diagnosis, truth: Mapping[str, Any]) -> bool:
         variables = {one.variable.replace(" ", "_") for one in found.leftover[:POINTED]}
         return bool(variables & set(truth["outside"]["variables"]))
     if found.verdict == "indistinguishable":
-        return " + ".join(wanted) in found.indistinguishable[0]
+        named = [[part.split()[0] for part in one.split(" + ")] for one in found.indistinguishable[0]]
+        return wanted in map(sorted, named)
     return sorted(cause.effect for cause in found.causes) == wanted
 
 
