@@ -165,13 +165,14 @@ class Options:
     # sizes of forces that the estimate begins with, in `force_scale`
     process_reach: tuple[float, ...] = (0.102, 0.102, 0.0826)
     process_least: tuple[float, ...] = (2.05e-4, 2.05e-4, 1.65e-4)  # the least, in `force_scale`
-    process_rounds: int = 12  # iterations of expectation-maximisation
+    variance_tolerance: float = 1e-6  # share of the deviance that a step to likelier variances must save
     process_piece: float = 2.0  # s that a force is constant in, at least
     process_pieces: int = 60  # of a window, at most
     process_times: tuple[float, ...] = (2.0, 8.0, 32.0)  # s, of which the most likely is taken
     # ---- Errors of the model's curves
     # in `force_scale`, sizes that the estimate begins with: of Gauss-Markov forces, of the curves' errors
     curve_errors_begin: tuple[float, float] = (0.01, 0.003)
+    curve_errors_least: float = 1e-5  # the least of the curves' errors, in `force_scale`
     # ---- Random effects
     spreads: tuple[float, float, int] = (1e-4, 1e2, 121)  # typical sizes: least, largest and number tried
     # ---- Channels that a filter smoothed
@@ -304,6 +305,8 @@ class Options:
     regression_spans: tuple[float, float, int] = (10.0, 2.5, 4)
     # the same where velocities were not measured
     regression_spans_poses: tuple[float, float, int] = (10.0, 5.0, 5)
+    # sizes of the forces about which is linearised, in `force_scale`: larger ones follow a receiver's jumps
+    regression_reach: tuple[float, ...] = (0.1, 0.1, 0.01)
     regression_windows: int = 240  # evaluated; of more, evenly spaced ones
     knots: int = 6  # of a function of a variable
     knots_of_angle: int = 8  # of a function of an angle: 45 degrees apart
@@ -321,7 +324,7 @@ class Options:
     force_measured: float = 0.25  # of the positions in an interval, below which its force is not estimated
     force_rounds: int = 30  # iterations, at most
     force_damping: float = 0.1  # the first after a step that fails
-    force_reach: float = 3.0  # standard deviation of the forces' prior, in thrusts of the strongest thruster
+    force_reach: tuple[float, ...] = (1.5, 1.5, 1.5)  # sizes of the forces' prior, in `force_scale`
     # ---- Self-trial
     twins: int = 20  # simulated from an answer
     twin_out_of_reach: float = 100.0  # criterion above the best of a hypothesis that is left out

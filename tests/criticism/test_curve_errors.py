@@ -83,12 +83,12 @@ def likelihood(rng: np.random.Generator) -> tuple[ForceLikelihood, np.ndarray, n
 
 def test_the_deviance_is_that_of_the_whole_covariance_at_the_best_parameters() -> None:
     found, seen, slopes, curves = likelihood(np.random.default_rng(3))
-    power, variance = np.array([0.2, 0.5, 0.1]), 0.3
+    variances = np.array([0.2, 0.5, 0.1, 0.3])
     times = np.abs(np.subtract.outer(np.arange(4), np.arange(4))) / options().regression_time
-    each = np.kron(np.exp(-times), np.diag(power))
+    each = np.kron(np.exp(-times), np.diag(variances[:3]))
     steps, forces = slopes[..., :2].reshape(120, 2), slopes[..., 2:]
     by_weights = (forces @ curves).reshape(120, 5)
-    covariance = np.eye(120) + variance * by_weights @ by_weights.T
+    covariance = np.eye(120) + variances[3] * by_weights @ by_weights.T
     for window in range(3):
         rows = slice(40 * window, 40 * window + 40)
         covariance[rows, rows] += forces[window] @ each @ forces[window].T
@@ -96,17 +96,29 @@ def test_the_deviance_is_that_of_the_whole_covariance_at_the_best_parameters() -
     best = np.linalg.solve(steps.T @ inverse @ steps, steps.T @ inverse @ seen.ravel())
     left = seen.ravel() - steps @ best
     expected = left @ inverse @ left + np.linalg.slogdet(covariance)[1]
-    at = marginal(quadratic(found, curves, np.zeros(2), np.zeros(2)), power, variance)
+    at = marginal(quadratic(found, curves, np.zeros(2), np.zeros(2)), variances)
     assert at.deviance == pytest.approx(expected)
     of_parameters = np.linalg.inv(steps.T @ inverse @ steps)
     assert at.parameter_variances == pytest.approx(np.diag(of_parameters))
 
 
-def test_the_variances_found_are_more_likely_than_those_the_estimate_begins_with() -> None:
+def test_the_gradient_is_that_of_the_deviance_by_the_logarithms_of_the_variances() -> None:
+    found, _, _, curves = likelihood(np.random.default_rng(5))
+    of = quadratic(found, curves, np.array([0.3, -0.2]), np.array([2.0, 0.0]))
+    log, step = np.log([0.2, 0.5, 0.1, 0.3]), 1e-4 * np.eye(4)
+    ahead, behind = ([marginal(of, np.exp(log + s * one)).deviance for one in step] for s in (1, -1))
+    slope = (np.array(ahead) - behind) / 2e-4
+    assert marginal(of, np.exp(log)).gradient == pytest.approx(slope, rel=1e-5, abs=1e-5)
+
+
+def test_at_the_variances_found_the_likelihood_is_greatest() -> None:
     found, _, _, curves = likelihood(np.random.default_rng(4))
     of = quadratic(found, curves, np.zeros(2), np.zeros(2))
     force, weight = options().curve_errors_begin
-    assert most_likely(of, SCALE).deviance < marginal(of, (force * SCALE) ** 2, weight**2).deviance
+    begin = marginal(of, np.append(force * SCALE, weight) ** 2)
+    best = most_likely(of, SCALE)
+    assert best.deviance < begin.deviance - 10.0
+    assert np.abs(best.gradient).max() < 0.01 * np.abs(begin.gradient).max()
 
 
 def test_the_deviance_falls_by_far_more_than_its_charge_where_the_wind_is_put_in() -> None:

@@ -115,9 +115,7 @@ def test_a_likelier_effect_that_held_out_windows_do_not_confirm_leaves_the_best_
     )
     tests = RatioTests(found, weight, 3)
     for one, deviance in ((likeliest, 0.0), (other, 10.0), (best, 20.0)):
-        tests.marginals[one.hypothesis.label, one.x.tobytes()] = Marginal(
-            deviance, np.zeros(0), np.zeros(3), 0.0
-        )
+        tests.marginals[one.hypothesis.label, one.x.tobytes()] = Marginal(deviance, np.zeros(4), np.zeros(0))
 
     def as_said(problem: Shooting, whole: Fit, less: Fit, comparisons: int) -> Confirmation:
         alone = not less.hypothesis.instances  # no two effects are separated, and one is not confirmed
@@ -138,7 +136,7 @@ def test_an_effect_of_less_likelihood_than_its_parameters_cost_is_left_out(gain:
     tests = RatioTests(found, weight, 3)
     cost = continuation.criterion.charge(whole) - continuation.criterion.charge(Hypothesis())
     for key, deviance in (((whole.label, best.x.tobytes()), -gain * cost), (("nothing", b""), 0.0)):
-        tests.marginals[key] = Marginal(deviance, np.zeros(0), np.zeros(3), 0.0)
+        tests.marginals[key] = Marginal(deviance, np.zeros(4), np.zeros(0))
     kept, _ = without_dispensable(continuation, best, {whole.label: CONFIRMED}, tests)
     assert kept.hypothesis.label == label
 

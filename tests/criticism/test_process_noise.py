@@ -19,14 +19,16 @@ from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
-PIECES, PIECE = 5, 1.0
+PIECES, PIECE, CORRELATION_TIME = 5, 1.0, 4.0
 SCALE = force_scale(load_boat("swamp"))
 
 
 def pushed(rng: np.random.Generator, windows: int, power: float) -> tuple[np.ndarray, np.ndarray]:
-    """Slopes (W, 40, 15), and measured (W, 40) of steady forces of that power in every axis."""
+    """Slopes (W, 40, 15), and measured (W, 40) of Gauss-Markov forces of that power in every axis."""
     slopes = rng.standard_normal((windows, 40, 3 * PIECES))
-    force = np.sqrt(power) * rng.standard_normal((windows, 1, 3)).repeat(PIECES, axis=1)
+    apart = np.abs(np.subtract.outer(np.arange(PIECES), np.arange(PIECES))) * PIECE
+    root = np.linalg.cholesky(power * np.exp(-apart / CORRELATION_TIME))
+    force = root @ rng.standard_normal((windows, PIECES, 3))
     seen = np.einsum("wmf,wf->wm", slopes, force.reshape(windows, -1))
     return slopes, seen + rng.standard_normal(seen.shape)
 
@@ -34,7 +36,7 @@ def pushed(rng: np.random.Generator, windows: int, power: float) -> tuple[np.nda
 def test_the_gain_of_random_forces_is_that_of_the_whole_covariance() -> None:
     slopes, seen = pushed(np.random.default_rng(0), 3, 2.0)
     across = slopes.swapaxes(1, 2)
-    made = random_forces(across @ slopes, (across @ seen[..., None])[..., 0], PIECE, 4.0, SCALE)
+    made = random_forces(across @ slopes, (across @ seen[..., None])[..., 0], PIECE, CORRELATION_TIME, SCALE)
     gain = 0.0
     for slope, values in zip(slopes, seen, strict=True):
         covariance = np.eye(len(values)) + slope @ np.linalg.inv(made.prior) @ slope.T
@@ -46,8 +48,8 @@ def test_the_gain_of_random_forces_is_that_of_the_whole_covariance() -> None:
 def test_the_power_of_random_forces_is_estimated() -> None:
     slopes, seen = pushed(np.random.default_rng(1), 400, 9.0)
     across = slopes.swapaxes(1, 2)
-    made = random_forces(across @ slopes, (across @ seen[..., None])[..., 0], PIECE, 1000.0, SCALE)
-    assert made.power == pytest.approx(9.0, rel=0.25)
+    made = random_forces(across @ slopes, (across @ seen[..., None])[..., 0], PIECE, CORRELATION_TIME, SCALE)
+    assert made.power == pytest.approx(9.0, rel=0.15)
 
 
 def positions_alone_wander(run_set: RunSet) -> bool:

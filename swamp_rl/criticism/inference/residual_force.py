@@ -34,7 +34,7 @@ def residual_forces(run_set: RunSet, weight: Array, hypothesis: Hypothesis, x: A
     seconds, piece = spans
     problem = Shooting(run_set, weight, seconds, before=run_set.dt)
     grid = force_grid(problem, piece)
-    made = fit_forces(problem, hypothesis, x, grid)
+    made = fit_forces(problem, hypothesis, x, grid, options().force_reach)
     win = problem.windows
     found = []
     held = (win.weight[..., 0] > 0) & (np.arange(win.rows) >= win.pad)  # less the prior's row

@@ -5,17 +5,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.likelihood.force_sensitivity import AXES, ForceGrid, force_jacobian
+from swamp_rl.criticism.likelihood.force_sensitivity import (
+    AXES,
+    ForceGrid,
+    force_jacobian,
+    inverse_correlation,
+)
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import (
     chosen_windows,
-    fit_states,
     losses,
     next_damping,
     state_reach,
 )
 from swamp_rl.criticism.model.candidates import Hypothesis
+from swamp_rl.criticism.model.scales import force_scale
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
@@ -30,19 +35,27 @@ class ForceFit:
     force: Array
 
 
-def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceGrid) -> ForceFit:
-    """The forces, constant in each interval, at least chi2; a Jacobian is kept until its window moves."""
-    states, track, residual = fit_states(
-        problem, hypothesis, x, problem.initial_states(), options().force_rounds
-    )
+def fit_forces(
+    problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceGrid, sizes: tuple[float, ...]
+) -> ForceFit:
+    """The forces, constant in each interval, at least chi2; a Jacobian is kept until its window moves. sizes:
+    (3,) standard deviations, in `force_scale`, of the Gauss-Markov process that is their prior.
+
+    From the initial states that the data show: fitted without forces, those of a wrong model may lie where no
+    force leads back, as beyond a speed of zero.
+    """
+    states = problem.initial_states().copy()
+    track = problem.predict(hypothesis, x[None], states[None])[0]
+    residual = problem.residuals(track)
     shape = (problem.windows.count, grid.count, AXES)
-    reach = options().force_reach * float(np.max(problem.boat_thrust))
-    prior = np.tile(1.0 / np.array([reach, reach, reach * problem.boat.length]), grid.count) ** 2
+    alike = inverse_correlation(grid.count, grid.block * problem.dt, options().regression_time)
+    prior = np.kron(alike, np.diag((np.array(sizes) * force_scale(problem.boat)) ** -2.0))
     force = np.zeros(shape)
 
     def chi2(residual: Array, force: Array) -> Array:
         """(W,) of the residuals and the prior."""
-        return losses(residual) + force.reshape(shape[0], -1) ** 2 @ prior
+        flat = force.reshape(shape[0], -1)
+        return losses(residual) + ((flat @ prior) * flat).sum(axis=1)
 
     damping = np.zeros(shape[0])
     moved = np.ones(shape[0], dtype=bool)
@@ -55,9 +68,9 @@ def fit_forces(problem: Shooting, hypothesis: Hypothesis, x: Array, grid: ForceG
             by_state[moved] = part.state_jacobian(*where, track[moved], acceleration, grid.block)
             by_force[moved] = force_jacobian(part, *where, grid, (0, 1, 2), force[moved])
         normal = normal_equations(by_state, by_force, residual, damping[:, None] / state_reach(problem))
-        H = normal.information + np.diag(prior)
+        H = normal.information + prior
         H = H + (damping[:, None] * np.einsum("wii->wi", H))[..., None] * np.eye(H.shape[1])
-        g = normal.gradient - prior * force.reshape(shape[0], -1)
+        g = normal.gradient - force.reshape(shape[0], -1) @ prior
         step = np.asarray(np.linalg.solve(H, g[..., None])[..., 0])
         if (step * g).sum(axis=1).max() < options().window_decrease:
             break

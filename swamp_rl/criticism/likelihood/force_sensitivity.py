@@ -50,6 +50,12 @@ def inertia(boat: Boat) -> Array:
     )
 
 
+def inverse_correlation(pieces: int, piece: float, correlation_time: float) -> Array:
+    """(B, B) inverse of the correlation of a Gauss-Markov process in B intervals of `piece` s."""
+    apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * piece
+    return np.linalg.inv(np.exp(-apart / correlation_time))
+
+
 def force_normal_equations(
     problem: Shooting,
     hypothesis: Hypothesis,

@@ -21,7 +21,6 @@ from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.threads import divided
 from swamp_rl.simulator import parameters, tank
-from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.sensors import is_altered, observe, rows_ahead, sensors_of
 from swamp_rl.simulator.state import TIME
 from swamp_rl.simulator.substeps import substeps_of
@@ -98,13 +97,6 @@ class Shooting:
     def samples(self) -> int:
         """Number of samples that are compared."""
         return self.windows.samples
-
-    @cached_property
-    def boat_thrust(self) -> Array:
-        """(K,) greatest thrust [N] of each thruster, at rest."""
-        record = self.record[0]
-        jets = record["thrust_linear"] + record["thrust_quadratic"]
-        return np.where(jets > 0.0, jets, reference_of(self.boat).thrust / len(jets))
 
     @cached_property
     def plain_actuators(self) -> Array:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from swamp_rl.criticism.data.run_set import RunSet
-from swamp_rl.criticism.likelihood.force_sensitivity import AXES
+from swamp_rl.criticism.likelihood.force_sensitivity import AXES, inverse_correlation
 from swamp_rl.criticism.likelihood.output_error import inverse
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.nuisance.force_functions import (
@@ -23,7 +23,7 @@ from swamp_rl.criticism.nuisance.force_functions import (
     force_likelihood,
     pairs,
 )
-from swamp_rl.criticism.nuisance.process_noise import inverse_correlation
+from swamp_rl.criticism.nuisance.process_noise import expected_power, likeliest_variances
 from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
@@ -95,67 +95,65 @@ def quadratic(found: ForceLikelihood, curves: Array, away: Array, precision: Arr
 @dataclass(frozen=True)
 class Marginal:
     """deviance: -2 log likelihood but for a constant, the weights and the forces marginalised, at the best
-    parameters; parameter_variances: (p,) of those parameters; power (3,) and variance: expected squares of
-    the forces of each axis and of a weight.
+    parameters; gradient: (4,) of it by the logarithms of the variances; parameter_variances: (p,) of those
+    parameters.
     """
 
     deviance: float
+    gradient: Array
     parameter_variances: Array
-    power: Array
-    variance: float
 
 
-def marginal(of: Quadratic, power: Array, variance: float) -> Marginal:
-    """At the variances (3,) of the Gauss-Markov forces and of the weights."""
-    p, pieces = len(of.precision), len(of.alike)
-    weights = len(of.gradient) - p
-    prior, own = np.kron(of.alike, np.diag(1.0 / power)), of.gradient_of_forces
+def marginal(of: Quadratic, variances: Array) -> Marginal:
+    """At the variances (4,): of the Gauss-Markov forces of each axis, and of the weights."""
+    p, windows, pieces = len(of.precision), len(of.gradient_of_forces), len(of.alike)
+    weights, (*power, variance) = len(of.gradient) - p, variances
+    prior, own = np.kron(of.alike, np.diag(1.0 / np.array(power))), of.gradient_of_forces
     spread = np.linalg.inv(of.of_forces + prior)
     gain = of.cross @ spread
     information = of.information - np.einsum("wuf,wvf->uv", gain, of.cross, optimize=True)
-    information += np.diag(np.concatenate([of.precision, np.full(weights, 1.0 / variance)]))
+    rounding = np.append(np.zeros(p), 1e-12 * np.diag(of.information)[p:])
+    information += np.diag(np.append(of.precision, np.full(weights, 1.0 / variance)) + rounding)
     gradient = of.gradient - np.einsum("wuf,wf->u", gain, own)
-    covariance, determinant = _covariance(information, p)
-    common = covariance @ gradient
+    of_parameters, of_weights, by, determinant = _covariances(information, p)
+    common = np.empty_like(gradient)
+    common[:p] = of_parameters @ (gradient[:p] - by @ gradient[p:])
+    common[p:] = of_weights @ gradient[p:] - by.T @ common[:p]
     explained = float(common @ gradient + np.einsum("wf,wfg,wg->", own, spread, own, optimize=True))
-    volume = -np.linalg.slogdet(spread)[1].sum() - len(own) * np.linalg.slogdet(prior)[1]
+    volume = -np.linalg.slogdet(spread)[1].sum() - windows * np.linalg.slogdet(prior)[1]
     volume += determinant + weights * np.log(variance)
     force = (spread @ (own - common @ of.cross)[..., None])[..., 0]
-    doubt = (spread + np.swapaxes(gain, 1, 2) @ covariance @ gain).sum(axis=0)
-    squares = (doubt + force.T @ force).reshape(pieces, AXES, pieces, AXES)
-    return Marginal(
-        of.chi2 - explained + float(volume),
-        np.diag(covariance)[:p],
-        np.einsum("bc,baca->a", of.alike, squares) / (len(own) * pieces),
-        float((common[p:] ** 2 + np.diag(covariance)[p:]).mean()),
-    )
+    doubt = spread + np.swapaxes(gain[:, p:], 1, 2) @ of_weights @ gain[:, p:]
+    expected = expected_power(doubt.sum(axis=0) + force.T @ force, of.alike, windows)
+    of_weight = float((common[p:] ** 2 + np.diag(of_weights)).sum())
+    slopes = np.append(windows * pieces * (1.0 - expected / power), weights - of_weight / variance)
+    return Marginal(of.chi2 - explained + float(volume), slopes, np.diag(of_parameters))
 
 
-def _covariance(information: Array, p: int) -> tuple[Array, float]:
-    """Inverse of an information matrix (U, U), and the logarithm of the determinant of its block of all but
-    the first p numbers, which has a prior; infinite where a simulation diverged.
+def _covariances(information: Array, p: int) -> tuple[Array, Array, Array, float]:
+    """Of an information matrix (U, U) whose first p numbers are parameters and the others weights: covariance
+    (p, p) of the parameters; of the weights (K, K) beside known parameters; the change (p, K) of the weights
+    by minus a parameter; logarithm of the determinant of the weights' information. Infinite where a
+    simulation diverged.
     """
     if not np.isfinite(information).all():
-        return np.full_like(information, np.inf), np.inf
-    across, ridge = information[:p, p:], np.diag(1e-12 * np.diag(information)[p:])
-    factor = cho_factor(information[p:, p:] + ridge, lower=True)
-    own = cho_solve(factor, np.eye(len(ridge)))
-    by = across @ own
-    covariance = np.empty_like(information)
-    covariance[:p, :p] = inverse(information[:p, :p] - by @ across.T)
-    covariance[:p, p:] = -covariance[:p, :p] @ by
-    covariance[p:, :p] = covariance[:p, p:].T
-    covariance[p:, p:] = own - by.T @ covariance[:p, p:]
-    return covariance, 2.0 * float(np.log(np.diag(factor[0])).sum())
+        infinite = np.full_like(information, np.inf)
+        return infinite[:p, :p], infinite[p:, p:], infinite[:p, p:], np.inf
+    across, factor = information[:p, p:], cho_factor(information[p:, p:], lower=True)
+    of_weights = cho_solve(factor, np.eye(len(information) - p))
+    by = across @ of_weights
+    of_parameters = inverse(information[:p, :p] - by @ across.T)
+    return of_parameters, of_weights, by, 2.0 * float(np.log(np.diag(factor[0])).sum())
 
 
 def most_likely(of: Quadratic, scale: Array) -> Marginal:
-    """At the most likely variances, by expectation-maximisation (Dempster, Laird and Rubin 1977); scale:
-    `force_scale`.
-    """
+    """At the most likely variances; scale: `force_scale`."""
     force, weight = options().curve_errors_begin
-    at = marginal(of, (force * scale) ** 2, weight**2)
-    least = (np.array(options().process_least) * scale) ** 2
-    for _ in range(options().process_rounds):
-        at = marginal(of, np.maximum(at.power, least), at.variance)
-    return at
+    begin = np.append(force * scale, weight)
+    least = np.append(np.array(options().process_least) * scale, options().curve_errors_least)
+
+    def deviance(variances: Array) -> tuple[float, Array]:
+        at = marginal(of, variances)
+        return at.deviance, at.gradient
+
+    return marginal(of, likeliest_variances(deviance, begin**2, least**2))

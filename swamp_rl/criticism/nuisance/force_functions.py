@@ -81,7 +81,7 @@ def force_likelihood(
     coarse = force_grid(problem, piece)
     block = -(-coarse.block // finer)
     coarse = ForceGrid(finer * block, -(-(problem.windows.rows - 1) // (finer * block)), coarse.inertia)
-    found = fit_forces(problem, hypothesis, x, coarse)
+    found = fit_forces(problem, hypothesis, x, coarse, options().regression_reach)
     fine = ForceGrid(block, finer * coarse.count, coarse.inertia)
     force = np.repeat(found.force, finer, axis=1)
     acceleration = force / fine.inertia

@@ -1,12 +1,18 @@
 """Model error: its process noise against measurement noise, and weights from its size."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import CHANNELS, POSITIONS, RunSet
-from swamp_rl.criticism.likelihood.force_sensitivity import AXES, force_grid, force_normal_equations
+from swamp_rl.criticism.likelihood.force_sensitivity import (
+    AXES,
+    force_grid,
+    force_normal_equations,
+    inverse_correlation,
+)
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, first_states, fit
 from swamp_rl.criticism.model.candidates import Hypothesis
@@ -32,33 +38,61 @@ class RandomForces:
     gain: float
 
 
-def inverse_correlation(pieces: int, piece: float, correlation_time: float) -> Array:
-    """(B, B) inverse of the correlation of a Gauss-Markov process in B intervals of `piece` s."""
-    apart = np.abs(np.subtract.outer(np.arange(pieces), np.arange(pieces))) * piece
-    return np.linalg.inv(np.exp(-apart / correlation_time))
-
-
 def random_forces(
     information: Array, gradient: Array, piece: float, correlation_time: float, scale: Array
 ) -> RandomForces:
     """From chi2 as a function of forces, initial states eliminated: information (W, 3 B, 3 B) and gradient
-    (W, 3 B); intervals of `piece` s, correlation time [s], scale: `force_scale`. The power by
-    expectation-maximisation (Dempster, Laird and Rubin 1977), one for each axis.
+    (W, 3 B); intervals of `piece` s, correlation time [s], scale: `force_scale`. One power for each axis.
     """
     windows, pieces = len(gradient), gradient.shape[1] // AXES
     alike = inverse_correlation(pieces, piece, correlation_time)
-    power: Array = (np.array(options().process_reach) * scale) ** 2
-    least = (np.array(options().process_least) * scale) ** 2
-    for _ in range(options().process_rounds):
-        prior = np.kron(alike, np.diag(1.0 / power))
-        spread = np.linalg.inv(information + prior)
+
+    def at(power: Array) -> RandomForces:
+        prior = np.asarray(np.kron(alike, np.diag(1.0 / power)))
+        spread = np.asarray(np.linalg.inv(information + prior), dtype=np.float64)
         force = (spread @ gradient[..., None])[..., 0]
-        squares: Array = force**2 + np.einsum("wii->wi", spread)
-        power_before, power = power, np.maximum(squares.reshape(-1, AXES).mean(axis=0), least)
-    volume = np.linalg.slogdet(spread)[1].sum() + windows * np.linalg.slogdet(prior)[1]
-    return RandomForces(
-        np.asarray(prior), spread, force, power_before, float((gradient * force).sum() + volume)
+        volume = np.linalg.slogdet(spread)[1].sum() + windows * np.linalg.slogdet(prior)[1]
+        return RandomForces(prior, spread, force, power, float((gradient * force).sum() + volume))
+
+    def deviance(power: Array) -> tuple[float, Array]:
+        made = at(power)
+        expected = expected_power(made.spread.sum(axis=0) + made.force.T @ made.force, alike, windows)
+        return -made.gain, windows * pieces * (1.0 - expected / power)
+
+    begin, least = (np.array(sizes) * scale for sizes in (options().process_reach, options().process_least))
+    return at(likeliest_variances(deviance, begin**2, least**2))
+
+
+def expected_power(squares: Array, alike: Array, windows: int) -> Array:
+    """(3,) expected squares of a Gauss-Markov force in units of its correlation; squares (3 B, 3 B): expected
+    products of it, summed over the windows; alike (B, B): its inverse correlation.
+    """
+    pieces = len(alike)
+    products = squares.reshape(pieces, AXES, pieces, AXES)
+    return np.asarray(np.einsum("bc,baca->a", alike, products) / (windows * pieces))
+
+
+def likeliest_variances(
+    deviance: Callable[[Array], tuple[float, Array]], begin: Array, least: Array
+) -> Array:
+    """(K,) variances of least deviance, none below `least`, from those to begin with; deviance: of variances,
+    with its gradient by their logarithms. Expectation-maximisation converges too slowly for likelihood
+    ratios where the likelihood is flat (Dempster, Laird and Rubin 1977), and gives the gradient: L-BFGS-B
+    (Byrd, Lu, Nocedal and Zhu, SIAM J. Sci. Comput. 16, 1995).
+    """
+    from scipy.optimize import minimize
+
+    if not np.isfinite(deviance(begin)[0]):  # where a simulation diverged
+        return begin
+    found = minimize(
+        lambda log: deviance(np.exp(log)),
+        np.log(begin),
+        jac=True,
+        method="L-BFGS-B",
+        bounds=[(low, None) for low in np.log(least)],
+        options={"ftol": options().variance_tolerance},
     )
+    return np.asarray(np.exp(found.x))
 
 
 def process_noise_gain(problem: Shooting, at: Fit) -> float:
