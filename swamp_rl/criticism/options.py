@@ -165,6 +165,7 @@ class Options:
     # sizes of forces that the estimate begins with, in `force_scale`
     process_reach: tuple[float, ...] = (0.102, 0.102, 0.0826)
     process_least: tuple[float, ...] = (2.05e-4, 2.05e-4, 1.65e-4)  # the least, in `force_scale`
+    process_most: float = 10.0  # the most, in `force_scale`; of the curves' errors too
     variance_tolerance: float = 1e-6  # share of the deviance that a step to likelier variances must save
     process_piece: float = 2.0  # s that a force is constant in, at least
     process_pieces: int = 60  # of a window, at most

@@ -52,16 +52,19 @@ def test_curves_in_error_are_no_wind_of_each_run_and_a_wind_is_one() -> None:
 
 
 def test_errors_of_curves_that_all_runs_share_widen_the_standard_error() -> None:
-    found = simulated_runs(CURVES)
-    weight = weights(found, noise_levels(found))
-    instance = by_label(candidates(found.boat, SECONDS))["resistance"]
-    weighted = model_error(found, weight, Hypothesis((instance,)), np.array([1.0]), 10.0)
-    between_runs = sandwich_covariance(weighted.problem, weighted.fit)[0, 0]
-    weighted.problem.least_variances = RatioTests(found, weight, 72).parameter_variances
-    least = weighted.problem.least_variances(weighted.fit)[0]
-    assert least > between_runs
-    assert sandwich_covariance(weighted.problem, weighted.fit)[0, 0] == pytest.approx(least)
-    assert abs(weighted.fit.x[0] - 1.05) < 2.0 * np.sqrt(least)
+    variances = []
+    for effects in (CURVES, [{"effect": "resistance", "scale": 1.05}]):
+        found = simulated_runs(effects)
+        weight = weights(found, noise_levels(found))
+        instance = by_label(candidates(found.boat, SECONDS))["resistance"]
+        weighted = model_error(found, weight, Hypothesis((instance,)), np.array([1.0]), 10.0)
+        between_runs = sandwich_covariance(weighted.problem, weighted.fit)[0, 0]
+        weighted.problem.least_variances = RatioTests(found, weight, 72).parameter_variances
+        variances.append(weighted.problem.least_variances(weighted.fit)[0])
+        both = sandwich_covariance(weighted.problem, weighted.fit)[0, 0]
+        assert both == pytest.approx(max(between_runs, variances[-1]))
+        assert abs(weighted.fit.x[0] - 1.05) < 2.0 * np.sqrt(both)
+    assert variances[0] > 4.0 * variances[1]
 
 
 def test_a_gain_on_held_out_windows_is_no_cause_without_a_significant_likelihood_ratio() -> None:

@@ -56,11 +56,12 @@ def curves_in_error(found: ForceLikelihood) -> Array:
 
 @dataclass(frozen=True)
 class Quadratic:
-    """chi2 as a function of U common numbers c and forces e (W, 3 B) of each window: information (U, U),
-    gradient (U,) of c; cross (W, U, 3 B); of_forces (W, 3 B, 3 B) and gradient_of_forces (W, 3 B) of e.
+    """chi2 as a function of U common numbers c and forces e (W, 3 B) of each window: information (p, p) of
+    the parameters, gradient (U,) of c; cross (W, U, 3 B); of_forces (W, 3 B, 3 B) and gradient_of_forces (W,
+    3 B) of e.
 
-    Common numbers: steps of the parameters, then weights of the curves. precision: (p,) of the parameters'
-    prior; alike: (B, B) inverse correlation of e.
+    Common numbers: steps of the parameters, then weights of the curves (W, 3 B, K). precision: (p,) of the
+    parameters' prior; alike: (B, B) inverse correlation of e.
     """
 
     chi2: float
@@ -69,6 +70,7 @@ class Quadratic:
     cross: Array
     of_forces: Array
     gradient_of_forces: Array
+    curves: Array
     precision: Array
     alike: Array
 
@@ -80,16 +82,12 @@ def quadratic(found: ForceLikelihood, curves: Array, away: Array, precision: Arr
     p = found.parameters
     H, g = found.information[:, p:, p:], found.gradient[:, p:]
     cross = np.concatenate([found.information[:, :p, p:], np.swapaxes(H @ curves, 1, 2)], axis=1)
-    by_curves = np.einsum("wuf,wfk->uk", cross, curves, optimize=True)
-    information = np.zeros((len(by_curves), len(by_curves)))
-    information[:, p:] = by_curves
-    information[p:, :p] = by_curves[:p].T
-    information[:p, :p] = found.information[:, :p, :p].sum(axis=0)
+    information = found.information[:, :p, :p].sum(axis=0)
     of_steps = found.gradient[:, :p].sum(axis=0) - precision * away
     gradient = np.concatenate([of_steps, np.einsum("wfk,wf->k", curves, g)])
     alike = inverse_correlation(g.shape[1] // AXES, found.block * found.dt, options().regression_time)
     chi2 = found.chi2 + float(precision @ away**2)
-    return Quadratic(chi2, information, gradient, cross, H, g, precision, alike)
+    return Quadratic(chi2, information, gradient, cross, H, g, curves, precision, alike)
 
 
 @dataclass(frozen=True)
@@ -111,11 +109,13 @@ def marginal(of: Quadratic, variances: Array) -> Marginal:
     prior, own = np.kron(of.alike, np.diag(1.0 / np.array(power))), of.gradient_of_forces
     spread = np.linalg.inv(of.of_forces + prior)
     gain = of.cross @ spread
-    information = of.information - np.einsum("wuf,wvf->uv", gain, of.cross, optimize=True)
-    rounding = np.append(np.zeros(p), 1e-12 * np.diag(of.information)[p:])
-    information += np.diag(np.append(of.precision, np.full(weights, 1.0 / variance)) + rounding)
+    # H - H S H = H S P of the forces' information H, spread S and prior P, without a difference
+    by_weights = np.einsum("wuf,wfk->uk", gain, prior @ of.curves, optimize=True)
+    of_weights = 0.5 * (by_weights[p:] + by_weights[p:].T) + np.eye(weights) / variance
+    of_steps = of.information - np.einsum("wif,wjf->ij", gain[:, :p], of.cross[:, :p], optimize=True)
+    of_steps += np.diag(of.precision)
     gradient = of.gradient - np.einsum("wuf,wf->u", gain, own)
-    of_parameters, of_weights, by, determinant = _covariances(information, p)
+    of_parameters, of_weights, by, determinant = _covariances(of_steps, by_weights[:p], of_weights)
     common = np.empty_like(gradient)
     common[:p] = of_parameters @ (gradient[:p] - by @ gradient[p:])
     common[p:] = of_weights @ gradient[p:] - by.T @ common[:p]
@@ -130,20 +130,19 @@ def marginal(of: Quadratic, variances: Array) -> Marginal:
     return Marginal(of.chi2 - explained + float(volume), slopes, np.diag(of_parameters))
 
 
-def _covariances(information: Array, p: int) -> tuple[Array, Array, Array, float]:
-    """Of an information matrix (U, U) whose first p numbers are parameters and the others weights: covariance
-    (p, p) of the parameters; of the weights (K, K) beside known parameters; the change (p, K) of the weights
-    by minus a parameter; logarithm of the determinant of the weights' information. Infinite where a
-    simulation diverged.
+def _covariances(of_steps: Array, across: Array, of_weights: Array) -> tuple[Array, Array, Array, float]:
+    """From an information matrix in blocks, of parameters (p, p), across (p, K) and of weights (K, K):
+    covariance of the parameters; of the weights beside known parameters; the change (p, K) of the weights by
+    minus a parameter; logarithm of the determinant of the weights' information. Infinite where a simulation
+    diverged.
     """
-    if not np.isfinite(information).all():
-        infinite = np.full_like(information, np.inf)
-        return infinite[:p, :p], infinite[p:, p:], infinite[:p, p:], np.inf
-    across, factor = information[:p, p:], cho_factor(information[p:, p:], lower=True)
-    of_weights = cho_solve(factor, np.eye(len(information) - p))
-    by = across @ of_weights
-    of_parameters = inverse(information[:p, :p] - by @ across.T)
-    return of_parameters, of_weights, by, 2.0 * float(np.log(np.diag(factor[0])).sum())
+    if not all(np.isfinite(block).all() for block in (of_steps, across, of_weights)):
+        return np.full_like(of_steps, np.inf), of_weights, across, np.inf
+    factor = cho_factor(of_weights, lower=True)
+    covariance = cho_solve(factor, np.eye(len(of_weights)))
+    by = across @ covariance
+    determinant = 2.0 * float(np.log(np.diag(factor[0])).sum())
+    return inverse(of_steps - by @ across.T), covariance, by, determinant
 
 
 def most_likely(of: Quadratic, scale: Array) -> Marginal:
@@ -156,4 +155,5 @@ def most_likely(of: Quadratic, scale: Array) -> Marginal:
         at = marginal(of, variances)
         return at.deviance, at.gradient
 
-    return marginal(of, likeliest_variances(deviance, begin**2, least**2))
+    most = options().process_most * np.append(scale, 1.0)
+    return marginal(of, likeliest_variances(deviance, begin**2, least**2, most**2))

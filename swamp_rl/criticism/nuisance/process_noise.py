@@ -59,8 +59,8 @@ def random_forces(
         expected = expected_power(made.spread.sum(axis=0) + made.force.T @ made.force, alike, windows)
         return -made.gain, windows * pieces * (1.0 - expected / power)
 
-    begin, least = (np.array(sizes) * scale for sizes in (options().process_reach, options().process_least))
-    return at(likeliest_variances(deviance, begin**2, least**2))
+    sizes = options().process_reach, options().process_least, options().process_most
+    return at(likeliest_variances(deviance, *((np.array(size) * scale) ** 2 for size in sizes)))
 
 
 def expected_power(squares: Array, alike: Array, windows: int) -> Array:
@@ -73,9 +73,9 @@ def expected_power(squares: Array, alike: Array, windows: int) -> Array:
 
 
 def likeliest_variances(
-    deviance: Callable[[Array], tuple[float, Array]], begin: Array, least: Array
+    deviance: Callable[[Array], tuple[float, Array]], begin: Array, least: Array, most: Array
 ) -> Array:
-    """(K,) variances of least deviance, none below `least`, from those to begin with; deviance: of variances,
+    """(K,) variances of least deviance, from `least` to `most`, from those to begin with; deviance: of them,
     with its gradient by their logarithms. Expectation-maximisation converges too slowly for likelihood
     ratios where the likelihood is flat (Dempster, Laird and Rubin 1977), and gives the gradient: L-BFGS-B
     (Byrd, Lu, Nocedal and Zhu, SIAM J. Sci. Comput. 16, 1995).
@@ -89,7 +89,7 @@ def likeliest_variances(
         np.log(begin),
         jac=True,
         method="L-BFGS-B",
-        bounds=[(low, None) for low in np.log(least)],
+        bounds=list(zip(np.log(least), np.log(most), strict=True)),
         options={"ftol": options().variance_tolerance},
     )
     return np.asarray(np.exp(found.x))
