@@ -58,8 +58,8 @@ def spaced_axes(figure: Any, rows: int, columns: int, labelled: bool = True, **s
     its own.
     """
     width, height = figure.get_size_inches()
-    left, right, bottom = 0.72, 0.14, 0.5  # inches
-    between, above, top = (0.78, 0.75, 0.62) if labelled else (0.14, 0.16, 0.36)
+    left, right, bottom = 0.92, 0.14, 0.5  # inches
+    between, above, top = (0.98, 0.75, 0.62) if labelled else (0.14, 0.16, 0.36)
     figure.subplots_adjust(
         left=left / width,
         right=1.0 - right / width,
