@@ -162,16 +162,20 @@ def test_the_function_of_a_residual_force_is_shown_with_its_hypothesis() -> None
 
 
 @pytest.mark.parametrize(
-    ("variable", "label", "factor"),
+    ("boat", "variable", "label", "factor"),
     [
-        ("yaw rate", "yaw rate [°/s]", DEGREES),
-        ("position east", "position east [m]", 1.0),
-        ("azimuth bs", "azimuth bs [°]", DEGREES),
-        ("throttle main", "throttle main [of full]", 1.0),
+        ("swamp", "yaw rate", "yaw rate [°/s]", DEGREES),
+        ("swamp", "position east", "position east [m]", 1.0),
+        ("swamp", "azimuth bs", "azimuth bs [°]", DEGREES),
+        ("swamp", "throttle bs", "throttle bs [of full]", 1.0),
+        ("esso_osaka", "azimuth main", "azimuth main [°]", DEGREES),
+        ("esso_osaka", "throttle main", "throttle main [rps]", 1.0),
     ],
 )
-def test_what_forces_are_drawn_against_has_its_unit(variable: str, label: str, factor: float) -> None:
-    assert labelled(variable) == (label, factor)
+def test_what_forces_are_drawn_against_has_its_unit(
+    boat: str, variable: str, label: str, factor: float
+) -> None:
+    assert labelled(variable, load_boat(boat)) == (label, factor)
 
 
 @pytest.mark.parametrize(
@@ -199,7 +203,7 @@ def test_the_noise_of_the_weights_is_reported_with_both_its_parts() -> None:
 
 def test_every_variable_of_a_force_can_be_drawn() -> None:
     for variable in motion_variables(np.zeros(1), np.zeros((1, 6))):
-        assert labelled(variable)[0].startswith(variable)
+        assert labelled(variable, load_boat("swamp"))[0].startswith(variable)
 
 
 def test_digits_are_plain_and_cells_are_escaped() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.boat import Boat, PropellerRudder
 from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.finding import Finding
@@ -239,12 +240,19 @@ def shown_variables(
         return max(named, key=lambda one: float(np.ptp(forces.variables.get(one, np.zeros(1)))))
 
     wanted = ("speed", "yaw rate", most_moved("throttle"), most_moved("azimuth"), "heading", "time")
-    return {name: labelled(name) for name in wanted if name in forces.variables}
+    return {name: labelled(name, run_set.boat) for name in wanted if name in forces.variables}
 
 
-def labelled(variable: str) -> tuple[str, float]:
-    """A variable with its unit as drawn, and the factor from SI."""
-    unit, factor = VARIABLE_UNITS[variable.split()[0] if variable not in VARIABLE_UNITS else variable]
+def labelled(variable: str, boat: Boat) -> tuple[str, float]:
+    """A variable with its unit as drawn, and the factor from SI.
+
+    Commands are named by kind and thruster, as `throttle main`, which is rps of a propeller with a rudder.
+    """
+    kind = variable if variable in VARIABLE_UNITS else variable.split()[0]
+    unit, factor = VARIABLE_UNITS[kind]
+    if kind == "throttle":
+        thruster = boat.thrusters[boat.thruster_names.index(variable.removeprefix("throttle "))]
+        unit = "rps" if isinstance(thruster, PropellerRudder) else unit
     return f"{variable} [{unit}]", factor
 
 
@@ -256,7 +264,7 @@ def draw_missing(figure: Any, finding: Finding) -> None:
     for ax in axes[len(functions) :]:
         ax.set_visible(False)
     for ax, one in zip(axes, functions, strict=False):
-        label, factor = labelled(one.variable)
+        label, factor = labelled(one.variable, finding.run_set.boat)
         at = factor * np.array([point.at for point in one.curve])
         force = np.array([point.force for point in one.curve])
         reach = Z95 * np.array([point.standard_error for point in one.curve])
