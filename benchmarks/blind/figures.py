@@ -42,7 +42,15 @@ def shares(results: Sequence[Judged], key: str, edges: Sequence[float]) -> list[
             silent = sum(r["verdict"] == "nothing_wrong" for r in inside)
             best = [r["best_rate"] for r in inside if r.get("best_rate") is not None]
             of_best = float(np.mean(best)) if best else None
-            own = {"from": low, "to": high, "middle": middle, "silent": silent, "best": of_best}
+            first = float(np.mean([r["among_first"] for r in inside]))
+            own = {
+                "from": low,
+                "to": high,
+                "middle": middle,
+                "silent": silent,
+                "best": of_best,
+                "first": first,
+            }
             found.append(own | rate)
     return found
 

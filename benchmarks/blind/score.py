@@ -10,7 +10,7 @@ from swamp_rl.angles import wrapped_below
 from swamp_rl.constants import Z95
 
 Judged = Mapping[str, Any]
-AT_MOST = 3  # explanations in a set that still counts as an answer
+AT_MOST = 3  # explanations in a set that still counts as an answer, or that are the first of a set
 WITHIN = 1.5  # of the Cramér-Rao bound
 
 
@@ -47,6 +47,7 @@ def judged(truth: Judged, found: Judged | None) -> dict[str, Any]:
         "alone": alone,
         "small_set": alone or small,
         "in_a_set": among,
+        "among_first": alone or (among and true in sets[:AT_MOST]),
         "trial": bool((found or {}).get("separating_trial")),
         "right": right,
         "place": same_places(truth, causes) if alone else None,

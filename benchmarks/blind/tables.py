@@ -56,26 +56,30 @@ def parts(results: Sequence[Judged]) -> dict[str, str]:
     """
     of = {level: [r for r in results if r["level"] == level] for level in OWN}
     own = {name: write(of[level]) for level, (name, write) in OWN.items() if of[level]}
-    results = [r for r in results if r["level"] not in OWN]
-    if not results:
-        return own
+    small = [r for r in results if r["level"] == SMALL_ONES]
+    if small:
+        own["blind power"] = power(small)
     by_level = {level: [r for r in results if r["level"] == level] for level in (*LEVELS, TRIPLE)}
     scores = {level: summary(mine) for level, mine in by_level.items() if mine}
-    return own | {
-        "blind scores": scores_table(scores),
-        "blind wrong answers": wrong_answers([r for r in results if r["level"] in scores]),
-        "blind by effect": by_effect(results),
-        "blind power": power(results),
-    }
+    if scores:
+        own |= {
+            "blind scores": scores_table(scores),
+            "blind wrong answers": wrong_answers([r for r in results if r["level"] in scores]),
+            "blind by effect": by_effect(results),
+        }
+    return own
 
 
 def pictures(results: Sequence[Judged], folder: Path) -> None:
-    """Draw both figures into a folder, of all levels without a table of their own."""
+    """Draw both figures into a folder, of all levels without a table of their own: the confusion matrix if
+    one of A to D was run, the power if P was.
+    """
     results = [r for r in results if r["level"] not in OWN]
-    if not results:
-        return
-    confusion_picture(results, folder / CONFUSION)
-    power_picture(results, folder / POWER)
+    levels = {r["level"] for r in results}
+    if levels - {SMALL_ONES}:
+        confusion_picture(results, folder / CONFUSION)
+    if SMALL_ONES in levels:
+        power_picture(results, folder / POWER)
 
 
 def cell(value: Any) -> str:
@@ -144,14 +148,16 @@ def by_effect(results: Sequence[Judged]) -> str:
 
 
 def power(results: Sequence[Judged]) -> str:
-    """Rate of small effects named, by their evidence in least standard errors."""
+    """Rate of small effects named, by their evidence in least standard errors; results: of level P."""
     rows = []
-    for one in shares([r for r in results if r["level"] == SMALL_ONES], "evidence", EVIDENCES):
+    for one in shares(results, "evidence", EVIDENCES):
         high = f"to {one['to']:g}" if np.isfinite(one["to"]) else "and more"
-        rows.append([f"{one['from']:g} {high}", cell(one), cell(one["best"]), str(one["silent"])])
+        rates = (cell(one), cell(one["first"]), cell(one["best"]))
+        rows.append([f"{one['from']:g} {high}", *rates, str(one["silent"])])
     heads = [
         "evidence, standard errors",
-        "named, alone or in a small set",
+        "named, alone or in a set of at most three",
+        "among the first three explanations",
         "Bayes classifier",
         "nothing wrong",
     ]

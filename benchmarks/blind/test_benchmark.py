@@ -20,7 +20,7 @@ from swamp_rl.experiments.synthetic.cases import (
 from benchmarks.blind.bound import bound_of
 from benchmarks.blind.cases import SEEDS, drawn, every_score, write_numbered
 from benchmarks.blind.diagnose import asked_for, chosen, main
-from benchmarks.blind.score import share, summary
+from benchmarks.blind.score import judged, share, summary
 from benchmarks.blind.tables import judgement, parts
 from benchmarks.blind.true_set import criterion_of_truth
 from swamp_rl.boat import load_boat
@@ -198,3 +198,24 @@ def test_small_faults_and_wrong_sets_stand_in_the_tables(tmp_path: Path) -> None
     tables = parts([score, score | {"level": "P", "evidence": 5.0, "size": 0.01}])
     assert "a set without it" in tables["blind wrong answers"]
     assert "| 4 to 6 | 0.000" in tables["blind power"]
+
+
+@pytest.mark.parametrize(
+    ("explanations", "named", "first"),
+    [
+        (["mass", "wind", "external_force"], 1, 1),
+        (["mass", "wind", "external_force", "current"], 0, 1),
+        (["mass", "wind", "current", "external_force"], 0, 0),
+    ],
+    ids=["of three", "of four", "fourth of four"],
+)
+def test_a_small_effect_counts_by_its_place_among_the_explanations_too(
+    explanations: list[str], named: int, first: int
+) -> None:
+    truth = vars(drawn(PUSHED, "A")[0]) | {"level": "P"}
+    found = {"verdict": "indistinguishable", "causes": [], "minor": [], "elapsed_s": 1.0}
+    score = judged(truth, found | {"indistinguishable": [explanations]})
+    (written,) = parts([score | {"evidence": 7.0}]).values()
+    row = next(line for line in written.splitlines() if line.startswith("| 6 to 9"))
+    _, _, alone_or_small, among_first, *_ = (cell.strip() for cell in row.split("|"))
+    assert (float(alone_or_small.split()[0]), float(among_first)) == (named, first)
