@@ -30,8 +30,6 @@ def with_small_effects(
         return best, []
     # Parameters of one run cannot be confirmed on another, and whole runs accumulate every other error.
     instances = [instance for instance in instances if not instance.groups]
-    if continuation.is_adequate(MIDDLE, best):  # which shows waves
-        instances = [instance for instance in instances if instance.effect.begin != "spectral"]
     more = _forward_selection(continuation, at, instances, LAST)
     if more.hypothesis != at.hypothesis:
         added = fit_by_continuation(continuation, more.hypothesis, more.x)
