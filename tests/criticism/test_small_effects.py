@@ -121,6 +121,16 @@ def test_an_effect_that_short_windows_cannot_identify_competes_with_those_found_
     assert min(every, key=continuation.criterion).hypothesis.label == "clock_drift"
 
 
+def test_whole_runs_show_waves_beside_windows_of_twenty_seconds_that_leave_noise() -> None:
+    made = simulated_runs([{"effect": "waves", "force": 1.0, "frequency": 0.4, "from": 0.5}], 1, name="swamp")
+    continuation = continued(made)
+    nothing = fit_by_continuation(continuation, Hypothesis(), np.zeros(0))
+    assert continuation.is_adequate(MIDDLE, nothing)
+    waves = by_label(candidates(made.boat, SECONDS))["waves"]
+    best, _ = with_small_effects(continuation, nothing, [waves], ["waves"])
+    assert best.hypothesis.label == "waves" and best.x[1] == pytest.approx(0.4, abs=0.003)
+
+
 def test_the_loss_of_a_run_is_that_of_its_stretches_of_twenty_seconds() -> None:
     continuation = continued(simulated_runs([], seed=21, name=UNSTABLE))
     problem, nothing = continuation.problems[LAST], continuation.fit(LAST, Hypothesis(), np.zeros(0))
