@@ -21,7 +21,7 @@ from benchmarks.blind.bound import bound_of
 from benchmarks.blind.cases import SEEDS, drawn, every_score, write_numbered
 from benchmarks.blind.diagnose import asked_for, chosen, main
 from benchmarks.blind.score import judged, share, summary
-from benchmarks.blind.tables import judgement, parts
+from benchmarks.blind.tables import judgement, parts, pictures
 from benchmarks.blind.true_set import criterion_of_truth
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import read_run_set
@@ -141,11 +141,13 @@ def test_a_table_is_written_from_the_files_of_however_many_cases_are_done(
     note.write_text(f"before\n{marks}after\n")
     main(["--score-only", str(tmp_path), "--into", str(note)])
     text = note.read_text()
-    assert "old" not in text and text.startswith("before") and text.endswith("after\n")
+    # No small effects were diagnosed: their table stays.
+    assert text.count("old") == 1 and "<!-- blind power -->\nold\n<!-- end blind power -->" in text
+    assert text.startswith("before") and text.endswith("after\n")
     assert "|  | A |\n| :-- | --: |\n| cases | 1 |" in text
     assert "| A | single | external_force | unexplained | external_force | 1 | - |" in text
     assert (tmp_path / "blind_confusion.png").stat().st_size > 1000
-    assert (tmp_path / "blind_power.png").stat().st_size > 1000
+    assert not (tmp_path / "blind_power.png").exists()
 
 
 def test_one_kind_of_cases_is_chosen_by_its_numbers(capsys: pytest.CaptureFixture[str]) -> None:
@@ -195,7 +197,10 @@ def test_a_bar_is_reached_short_or_missed_by_what_chance_allows() -> None:
 
 def test_small_faults_and_wrong_sets_stand_in_the_tables(tmp_path: Path) -> None:
     score = answers(tmp_path, "indistinguishable", [], indistinguishable=[["wind", "current"]])
-    tables = parts([score, score | {"level": "P", "evidence": 5.0, "size": 0.01}])
+    scores = [score, score | {"level": "P", "evidence": 5.0, "size": 0.01}]
+    tables = parts(scores)
+    pictures(scores, tmp_path)
+    assert all((tmp_path / f"blind_{name}.png").stat().st_size > 1000 for name in ("confusion", "power"))
     assert "a set without it" in tables["blind wrong answers"]
     assert "| 4 to 6 | 0.000" in tables["blind power"]
 

@@ -254,6 +254,9 @@ class Options:
     wave_piece: float = 0.5  # s of constant force
     lowest_wave: float = 0.0358  # U/L (0.02 Hz of SWAMP)
     highest_wave: float = 0.895  # U/L (0.5 Hz of SWAMP)
+    # boat steps (about 2 s) of a scan of whole runs where the middle windows, which show most waves, leave
+    # noise: the steps grow with the square of the runs' length
+    wave_steps: float = 4e6
     wave_fineness: float = 4.0  # frequencies for each 1 / (length of the longest run)
     wave_peaks: int = 2  # that a fit is begun from
     wave_sampling: float = 0.3  # cycles a sample, at most

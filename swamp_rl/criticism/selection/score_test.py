@@ -247,6 +247,12 @@ def _score_step(added: _Added, start: Array) -> ScoreTest:
     return ScoreTest(hypothesis, added.instance, x, states, loss, max(information, changed))
 
 
+def wave_scan_steps(problem: Shooting) -> int:
+    """Boat steps that `wave_starts` simulates: they grow with the square of the windows' length."""
+    pulses = 2 * force_grid(problem, options().wave_piece).count
+    return pulses * int(problem.windows.steps.sum()) * problem.substeps
+
+
 def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
     """Force towards south [N], frequency [Hz], force towards west [N] and phase [rad] of the waves that lower
     chi2 most beside `at`, best first; by_x: (W, M, p) Jacobian by its parameters.

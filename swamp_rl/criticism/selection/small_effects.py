@@ -10,7 +10,7 @@ from swamp_rl.criticism.model.candidates import EffectInstance, by_label
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import confirmed_on, fit_by_continuation, without
 from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation
-from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests_from_neutral
+from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests_from_neutral, wave_scan_steps
 
 Array = NDArray[np.float64]
 
@@ -30,6 +30,8 @@ def with_small_effects(
         return best, []
     # Parameters of one run cannot be confirmed on another, and whole runs accumulate every other error.
     instances = [instance for instance in instances if not instance.groups]
+    if continuation.is_adequate(MIDDLE, best) and wave_scan_steps(problem) > options().wave_steps:
+        instances = [instance for instance in instances if instance.effect.begin != "spectral"]
     more = _forward_selection(continuation, at, instances, LAST)
     if more.hypothesis != at.hypothesis:
         added = fit_by_continuation(continuation, more.hypothesis, more.x)
