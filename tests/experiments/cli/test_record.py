@@ -132,7 +132,7 @@ def push(socket: ClientConnection, wanted: Callable[[dict[str, Any]], bool]) -> 
         if message["type"] != "frame" or wanted(message):
             return message["type"] == "frame"
         if message["phase"] == "ended":
-            # The frames on their way meanwhile say so again, and a second act would discard the next run.
+            # Frames sent before the act arrives repeat the phase; a second act would discard the next run.
             if before != "ended":
                 socket.send(json.dumps({"type": "act", "act": "discard"}))
         else:
