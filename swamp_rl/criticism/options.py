@@ -86,7 +86,7 @@ class Options:
     errors_step: float = 0.1
     # ---- Sensitivity to forces
     # in `acceleration_scale`, of the finite difference
-    acceleration_step: tuple[float, ...] = (0.00646, 0.00646, 0.00801)
+    acceleration_step: tuple[float, ...] = (6.46e-5, 6.46e-5, 8.01e-5)
     chunk_bytes: int = 2**26  # bytes of Jacobians or tracks that are computed at once
     observed_rows: int = 2**14  # rows of tracks measured at once: 0.8 MB, which a cache holds
     # ---- Gauss-Markov measurement noise
@@ -254,9 +254,11 @@ class Options:
     wave_piece: float = 0.5  # s of constant force
     lowest_wave: float = 0.0358  # U/L (0.02 Hz of SWAMP)
     highest_wave: float = 0.895  # U/L (0.5 Hz of SWAMP)
-    # boat steps (about 2 s) of a scan of whole runs where the middle windows, which show most waves, leave
-    # noise: the steps grow with the square of the runs' length
-    wave_steps: float = 4e6
+    # numbers (about 4 s) in the Jacobian of a scan of whole runs, where the middle windows, which show most
+    # waves, leave noise: it grows with the square of the runs' length
+    largest_scan: float = 2e8
+    # intervals of a window up to which the information of pulses costs less than every frequency's response
+    wave_pulses: int = 100
     wave_fineness: float = 4.0  # frequencies for each 1 / (length of the longest run)
     wave_peaks: int = 2  # that a fit is begun from
     wave_sampling: float = 0.3  # cycles a sample, at most

@@ -23,7 +23,7 @@ from swamp_rl.criticism.nuisance.lost_rows import with_best_commands, with_relev
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.criticism.selection.backward_elimination import with_special_cases
 from swamp_rl.criticism.selection.continuation import continuation_of
-from swamp_rl.criticism.selection.score_test import wave_starts
+from swamp_rl.criticism.selection.frequency_scan import wave_starts
 from swamp_rl.effects import LIBRARY
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run

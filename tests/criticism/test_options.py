@@ -26,7 +26,7 @@ ELSEWHERE = ("report", "options.py", "schema.py", "manoeuvres.py")
 # Columns, counts of coordinates, stages and constants of probability.
 CONSTANTS = {
     *("NORTH", "EAST", "HEADING", "SURGE", "SWAY", "YAW_RATE", "POSITIONS", "OTHERS", "LAGGING", "AXES"),
-    *("FIRST_ACTUATOR", "STATES", "AXES_OF", "QUANTITIES", "MIDDLE", "LAST", "CORRECTED"),
+    *("FIRST_ACTUATOR", "STATES", "AXES_OF", "COMPONENTS", "QUANTITIES", "MIDDLE", "LAST", "CORRECTED"),
     *("ONE_RUN", "NONE", "NOWHERE", "NOTHING", "NO_ACCELERATION", "POWER", "NORMAL_OF_MAD", "OF_A_VARIANCE"),
     *("GAIN_OF_THIRD_DIFFERENCE", "SPREAD", "Z95", "CHI2_95", "TINY"),
 }

@@ -1,6 +1,5 @@
 """Sensitivity of every window to short forces on the hull."""
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,14 +8,12 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import Normal, normal_equations
+from swamp_rl.criticism.likelihood.state_transitions import AXES, StateTransitions, state_transitions
 from swamp_rl.criticism.model.candidates import Hypothesis
-from swamp_rl.criticism.model.scales import acceleration_scale
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
-
-AXES = 3  # surge, sway, yaw
 
 
 @dataclass(frozen=True)
@@ -104,20 +101,31 @@ def force_jacobian(
     """(W, M, B len(axes)) derivative of the standardised prediction by a force of 1 N (or 1 N m) along each
     axis in each interval, interval by interval; about forces (W, B, 3).
     """
-    windows, count = problem.windows.count, grid.count
-    acting = np.zeros((windows, count, AXES)) if forces is None else forces / grid.inertia
-    base = problem.predict(hypothesis, x[None], states[None], acting, grid.block)[0]
-    slopes = np.empty((count, len(axes), windows, base[0].size))
-    together = max(1, options().chunk_bytes // base.nbytes)
-    step = np.array(options().acceleration_step) * acceleration_scale(problem.boat)
-    for (column, axis), start in itertools.product(enumerate(axes), range(0, count, together)):
-        pieces = np.arange(start, min(start + together, count))
-        variants = len(pieces)
-        moved = np.repeat(acting[None], variants, axis=0)
-        moved[np.arange(variants), :, pieces, axis] += step[axis]
-        same = np.repeat(x[None], variants, axis=0), np.repeat(states[None], variants, axis=0)
-        track = problem.predict(hypothesis, *same, moved.reshape(-1, count, AXES), grid.block)
-        track -= base
-        track /= step[axis] * grid.inertia[axis]
-        slopes[pieces, column] = problem.standardised(track)
-    return np.moveaxis(slopes.reshape(-1, windows, slopes.shape[-1]), 0, -1)
+    made = transitions(problem, hypothesis, x, states, grid, forces)
+    pulses = np.zeros((made.blocks, AXES, grid.count, len(axes)))
+    blocks = np.arange(made.blocks)
+    for column, axis in enumerate(axes):
+        pulses[blocks, axis, np.minimum(blocks, grid.count - 1), column] = 1.0
+    pulses = pulses.reshape(1, made.blocks, AXES, -1)
+    return force_responses(made, grid, pulses)
+
+
+def transitions(
+    problem: Shooting,
+    hypothesis: Hypothesis,
+    x: Array,
+    states: Array,
+    grid: ForceGrid,
+    forces: Array | None = None,
+) -> StateTransitions:
+    """State transitions in the grid's intervals, about forces (W, B, 3)."""
+    still = np.zeros((problem.windows.count, grid.count, AXES))
+    return state_transitions(
+        problem, hypothesis, x, states, still if forces is None else forces / grid.inertia, grid.block
+    )
+
+
+def force_responses(made: StateTransitions, grid: ForceGrid, forces: Array) -> Array:
+    """(W, M, K) derivative of the standardised prediction by the sizes of forces (W or 1, L, 3, K)."""
+    change = np.moveaxis(made.responses(forces / grid.inertia[:, None]), -1, 0)
+    return np.moveaxis(made.problem.standardised(made.observed(change)), 0, -1)

@@ -112,6 +112,21 @@ class Shooting:
         made.plain_actuators = self.plain_actuators[chosen]
         return made
 
+    def in_blocks(self, rows: int, count: int, ahead: int) -> "Shooting":
+        """Each window, with `ahead` rows after its end, in so many blocks of rows, simulated and not
+        compared; what is beyond stands still.
+        """
+        win, behind = self.windows, rows * np.arange(count)
+        run, most = np.repeat(win.run, count), self.run_set.commands.shape[1] - 1
+        first = np.minimum(win.first[:, None] + behind, most).reshape(-1)
+        steps = np.clip(win.steps[:, None] + ahead - behind, 0, rows).reshape(-1)
+        made, unmeasured = copy(self), np.zeros((len(run), rows + 1, 6))
+        made.windows = Windows(run, first, steps, unmeasured, unmeasured, 0, rows + 1)
+        made.filter, made.tracks, made.scores, made.histories = None, None, [], {}
+        made.last = int(first.max()) + 1
+        made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
+        return made
+
     def integrated_in(self, substeps: int) -> "Shooting":
         """The same windows, integrated in so many steps from row to row."""
         made = copy(self)
@@ -176,6 +191,51 @@ class Shooting:
         acceleration: (V W or 0, B, 3) and block as in `roll`. Without one the last tracks of all windows are
         kept: an effect at its neutral values leaves what was predicted before.
         """
+        win = self.windows
+        records, altered, start, ahead = self._starts(hypothesis, x, states)
+
+        def simulated(boats: NDArray[Any], begun: Array) -> Array:
+            motion = self._moved(boats, begun, ahead, acceleration, block)
+            return self._observed(boats, motion) if altered else motion
+
+        if len(acceleration) or self.tracks is None:
+            return simulated(records, start)
+        where = np.concatenate([win.run, win.first, win.steps, [self.substeps, ahead]]).tobytes()
+        boats = [one.tobytes() for one in records]
+        keys = [(where, boats[v % len(boats)], one.tobytes()) for v, one in enumerate(start)]
+        new = np.array([key not in self.tracks for key in keys])
+        if new.any():
+            boats_of_new = records[new] if len(records) > 1 else records
+            made = simulated(boats_of_new, start[new])
+            self.tracks.update(zip((keys[v] for v in np.flatnonzero(new)), made, strict=True))
+        for key in keys:  # those asked for last are the last to go
+            self.tracks[key] = self.tracks.pop(key)
+        found = np.stack([self.tracks[key] for key in keys])
+        while len(self.tracks) > options().most_tracks:
+            del self.tracks[next(iter(self.tracks))]
+        return found
+
+    def motion(
+        self, hypothesis: Hypothesis, x: Array, states: Array, acceleration: Array, block: int
+    ) -> Array:
+        """As `predict`, (V, W, rows, 6) before the sensors, with the rows that these look ahead."""
+        records, _, start, ahead = self._starts(hypothesis, x, states)
+        return self._moved(records, start, ahead, acceleration, block)
+
+    def alters(self, hypothesis: Hypothesis, x: Array) -> bool:
+        """Whether the sensors under x (p,) alter the motion."""
+        return self._records(hypothesis, x[None])[1]
+
+    def observed(self, hypothesis: Hypothesis, x: Array, motion: Array) -> Array:
+        """(V, W, T + 1, 6) measured of motions (V, W, rows, 6), which are overwritten, under x (p,)."""
+        return self._observed(self._records(hypothesis, x[None])[0][None], motion)
+
+    def _starts(
+        self, hypothesis: Hypothesis, x: Array, states: Array
+    ) -> tuple[NDArray[Any], bool, Array, int]:
+        """Records (V or 1, R), whether their sensors alter the motion, states (V, W, S) at the starts, and
+        rows that sensors look ahead; counts the steps of their simulation.
+        """
         win, variants, runs = self.windows, len(x), len(self.run_set.lengths)
         own = x[:1] if (x == x[:1]).all() else x
         records, altered = self._records(hypothesis, own)
@@ -190,53 +250,38 @@ class Shooting:
         else:
             start[..., 6:] = self.plain_actuators
         self.boat_steps[0] += int((win.steps + ahead).sum()) * variants * self.substeps
-        records = records.reshape(len(own), runs)
-        if len(acceleration) or self.tracks is None:
-            return self._simulated(records, start, ahead, altered, acceleration, block)
-        where = np.concatenate([win.run, win.first, win.steps, [self.substeps, ahead]]).tobytes()
-        boats = [one.tobytes() for one in records]
-        keys = [(where, boats[v % len(boats)], one.tobytes()) for v, one in enumerate(start)]
-        new = np.array([key not in self.tracks for key in keys])
-        if new.any():
-            boats_of_new = records[new] if len(own) > 1 else records
-            simulated = self._simulated(boats_of_new, start[new], ahead, altered)
-            self.tracks.update(zip((keys[v] for v in np.flatnonzero(new)), simulated, strict=True))
-        for key in keys:  # those asked for last are the last to go
-            self.tracks[key] = self.tracks.pop(key)
-        found = np.stack([self.tracks[key] for key in keys])
-        while len(self.tracks) > options().most_tracks:
-            del self.tracks[next(iter(self.tracks))]
-        return found
+        return records.reshape(len(own), runs), altered, start, ahead
 
-    def _simulated(
-        self,
-        records: NDArray[Any],
-        start: Array,
-        ahead: int,
-        altered: bool,
-        acceleration: Array = NO_ACCELERATION,
-        block: int = 1,
+    def _moved(
+        self, records: NDArray[Any], start: Array, ahead: int, acceleration: Array, block: int
     ) -> Array:
-        """(V, W, T + 1, 6) measured of boats with records (V or 1, R) from states (V, W, S); ahead: rows that
-        are simulated beyond a window's last; altered: whether sensors alter the motion.
+        """(V, W, rows, 6) motion of boats with records (V or 1, R) from states (V, W, S), with `ahead` rows
+        beyond a window's last.
         """
         win, runs = self.windows, records.shape[1]
         which = (runs * np.arange(len(records))[:, None] + win.run).reshape(-1)
-        records, begun = records.reshape(-1), start.reshape(-1, start.shape[2])
+        begun = start.reshape(-1, start.shape[2])
         track = np.empty((len(begun), win.rows + ahead, 6))
         commands, parts = self.run_set.commands_of_parts, self.run_set.parts
         inputs = commands, self.run_set.weather, win.run, win.first, win.steps + ahead
-        given = records, which, self.tank, begun, *inputs, np.zeros(len(which), np.uint64)
+        given = records.reshape(-1), which, self.tank, begun, *inputs, np.zeros(len(which), np.uint64)
         roll(*given, self.dt, self.substeps, parts, acceleration, block, track)
-        if altered:
-            each = np.tile(which, len(begun) // len(which))
-            of_earth = np.array(self.run_set.of_earth or (False,) * runs)[each % runs]
-            boats = max(1, options().observed_rows // track.shape[1])
-            sensors = sensors_of(records)
-            for part in (slice(one, one + boats) for one in range(0, len(track), boats)):
-                seen = sensors[each[part]], self.dt, begun[part, TIME], of_earth[part]
-                track[part] = observe(track[part], *seen)
-        return track[:, : win.rows].reshape(len(start), win.count, win.rows, 6)
+        return track.reshape(len(start), win.count, -1, 6)
+
+    def _observed(self, records: NDArray[Any], motion: Array) -> Array:
+        """(V, W, T + 1, 6) measured of motions (V, W, rows, 6), which are overwritten, of boats with records
+        (V or 1, R).
+        """
+        win, runs = self.windows, records.shape[1]
+        track = motion.reshape(-1, *motion.shape[2:])
+        each = (runs * (np.arange(len(motion)) % len(records))[:, None] + win.run).reshape(-1)
+        began = np.tile(self.plain_actuators[:, TIME - 6], len(motion))
+        of_earth = np.array(self.run_set.of_earth or (False,) * runs)[each % runs]
+        boats = max(1, options().observed_rows // track.shape[1])
+        sensors = sensors_of(records.reshape(-1))
+        for part in (slice(one, one + boats) for one in range(0, len(track), boats)):
+            track[part] = observe(track[part], sensors[each[part]], self.dt, began[part], of_earth[part])
+        return track[:, : win.rows].reshape(len(motion), win.count, win.rows, 6)
 
     def track(self, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
         """(W, T + 1, 6) predicted measurements for x (p,) and rigid states (W, 6) at the starts."""

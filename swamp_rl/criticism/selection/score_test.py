@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, fit_states, inverse
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, neutral_of
 from swamp_rl.criticism.options import options
-from swamp_rl.simulator.reference import reference_of
+from swamp_rl.criticism.selection.frequency_scan import wave_starts
 
 Array = NDArray[np.float64]
 
@@ -245,83 +244,3 @@ def _score_step(added: _Added, start: Array) -> ScoreTest:
     information = information if np.isfinite(information) else 0.0
     changed = changed if np.isfinite(changed) else 0.0
     return ScoreTest(hypothesis, added.instance, x, states, loss, max(information, changed))
-
-
-def wave_scan_steps(problem: Shooting) -> int:
-    """Boat steps that `wave_starts` simulates: they grow with the square of the windows' length."""
-    pulses = 2 * force_grid(problem, options().wave_piece).count
-    return pulses * int(problem.windows.steps.sum()) * problem.substeps
-
-
-def wave_starts(problem: Shooting, at: Fit, by_x: Array) -> list[Array]:
-    """Force towards south [N], frequency [Hz], force towards west [N] and phase [rad] of the waves that lower
-    chi2 most beside `at`, best first; by_x: (W, M, p) Jacobian by its parameters.
-
-    A harmonic force of known frequency is linear in four parameters: sine and cosine, north and east. Their
-    information is the superposition of that of short force pulses.
-    """
-    grid = force_grid(problem, options().wave_piece)
-    where = (problem, at.hypothesis, at.x, at.states, grid, (0, 1))
-    normal = force_normal_equations(*where, at.states_jacobian, at.residual, beside=by_x)
-    p = by_x.shape[2]
-    turns = _turns(problem, at, grid.block, grid.count)
-    start = problem.windows.first[:, None] * problem.dt
-    time = start + (np.arange(grid.count) + 0.5) * grid.block * problem.dt
-    longest = float(problem.run_set.lengths.max()) * problem.dt
-    rate = reference_of(problem.boat).rate
-    frequencies = np.arange(
-        options().lowest_wave * rate,
-        min(options().highest_wave * rate, options().wave_sampling / problem.dt),
-        1.0 / (options().wave_fineness * longest),
-    )
-    made, together = [], max(1, options().chunk_bytes // (2 * turns.nbytes))
-    for some in np.split(frequencies, range(together, len(frequencies), together)):
-        phase = 2.0 * np.pi * time[..., None] * some
-        waves = np.stack([np.sin(phase), np.cos(phase)], axis=-1)
-        basis = np.einsum("wbae,wbft->wbafte", turns, waves).reshape(time.shape[0], -1, len(some), 4)
-        made.append(_gains_and_amplitudes(normal.information, normal.gradient, basis, p))
-    gains, amplitudes = (np.concatenate(part) for part in zip(*made, strict=True))
-    reach = options().peak_reach
-    tops = [gains[max(0, i - reach) : i + reach + 1].max() for i in range(len(gains))]
-    peaks = [i for i in np.argsort(-gains) if gains[i] == tops[i]][: options().wave_peaks]
-    found = ((frequencies[i], *_polarised(amplitudes[i])) for i in peaks)
-    return [np.array([south, frequency, west, phase]) for frequency, south, west, phase in found]
-
-
-def _turns(problem: Shooting, at: Fit, block: int, count: int) -> Array:
-    """(W, B, 2, 2) surge and sway force by force north and east, at the middle of each interval."""
-    track = problem.track(at.hypothesis, at.x, at.states)
-    middle = np.minimum((np.arange(count) + 0.5) * block, track.shape[1] - 1).astype(int)
-    cos, sin = np.cos(track[:, middle, 2]), np.sin(track[:, middle, 2])
-    return np.stack([np.stack([cos, sin], axis=-1), np.stack([-sin, cos], axis=-1)], axis=-2)
-
-
-def _gains_and_amplitudes(information: Array, gradient: Array, basis: Array, p: int) -> tuple[Array, Array]:
-    """Fall of chi2 (F,) beside the p other parameters, and amplitudes (F, 4), of F forces; basis: (W, B axes,
-    F, 4). None where a simulation diverged.
-    """
-    windows, pieces, count, _ = basis.shape
-    columns = basis.reshape(windows * pieces, -1)
-    bent = (information[:, p:, p:] @ basis.reshape(windows, pieces, -1)).reshape(-1, count, 4)
-    H = np.einsum("nfk,nfl->fkl", columns.reshape(-1, count, 4), bent, optimize=True)
-    g = gradient[:, p:].ravel() @ columns
-    if p:
-        cross = np.swapaxes(information[:, :p, p:], 0, 1).reshape(p, -1) @ columns
-        beside = cross.T @ inverse(information[:, :p, :p].sum(axis=0))
-        g = g - beside @ gradient[:, :p].sum(axis=0)
-        H = H - np.einsum("fkp,pfl->fkl", beside.reshape(count, 4, p), cross.reshape(p, count, 4))
-    g = g.reshape(count, 4)
-    finite = np.isfinite(H).all(axis=(1, 2)) & np.isfinite(g).all(axis=1)
-    H, g = np.where(finite[:, None, None], H, 0.0), np.where(finite[:, None], g, 0.0)
-    amplitudes = (np.linalg.pinv(H, rcond=1e-12, hermitian=True) @ g[..., None])[..., 0]
-    return (g * amplitudes).sum(axis=1), amplitudes
-
-
-def _polarised(numbers: Array) -> tuple[float, float, float]:
-    """The nearest linearly polarised force: towards south and west [N], and its phase [rad].
-
-    numbers: sine north, sine east, cosine north, cosine east.
-    """
-    left, size, right = np.linalg.svd(np.array([numbers[:2], numbers[2:]]).T)
-    line, phase = left[:, 0] * size[0], right[0]
-    return -float(line[0]), -float(line[1]), float(np.arctan2(phase[1], phase[0]))

@@ -10,7 +10,8 @@ from swamp_rl.criticism.model.candidates import EffectInstance, by_label
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import confirmed_on, fit_by_continuation, without
 from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation
-from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests_from_neutral, wave_scan_steps
+from swamp_rl.criticism.selection.frequency_scan import scan_size
+from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests_from_neutral
 
 Array = NDArray[np.float64]
 
@@ -30,7 +31,7 @@ def with_small_effects(
         return best, []
     # Parameters of one run cannot be confirmed on another, and whole runs accumulate every other error.
     instances = [instance for instance in instances if not instance.groups]
-    if continuation.is_adequate(MIDDLE, best) and wave_scan_steps(problem) > options().wave_steps:
+    if continuation.is_adequate(MIDDLE, best) and scan_size(problem) > options().largest_scan:
         instances = [instance for instance in instances if instance.effect.begin != "spectral"]
     more = _forward_selection(continuation, at, instances, LAST)
     if more.hypothesis != at.hypothesis:
