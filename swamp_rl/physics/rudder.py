@@ -50,12 +50,15 @@ def rudder_forces(
 
     X = −(1 − t_R) F_N sin δ,  Y = −(1 + a_H) F_N cos δ,  N = −(x_R + a_H x_H) F_N cos δ, with
     F_N = ½ ρ A_R U_R² 6.13 Λ/(2.25 + Λ) sin(δ − atan2(v_R, u_R))
+
+    and U_R sin(δ − atan2(v_R, u_R)) = u_R sin δ − v_R cos δ, which needs no angle of the flow.
     """
-    attack = angle - math.atan2(v_rudder, u_rudder)
+    cos, sin = math.cos(angle), math.sin(angle)
     aspect = p.rudder_aspect_ratio[k]
-    pressure = 0.5 * p.water_density * (u_rudder * u_rudder + v_rudder * v_rudder)
-    normal = pressure * p.rudder_area[k] * 6.13 * aspect / (2.25 + aspect) * math.sin(attack)
-    surge = -(1.0 - p.rudder_deduction[k]) * normal * math.sin(angle)
-    sway = -(1.0 + p.rudder_a_h[k]) * normal * math.cos(angle)
+    speed = math.sqrt(u_rudder * u_rudder + v_rudder * v_rudder)
+    across = u_rudder * sin - v_rudder * cos
+    normal = 0.5 * p.water_density * speed * across * p.rudder_area[k] * 6.13 * aspect / (2.25 + aspect)
+    surge = -(1.0 - p.rudder_deduction[k]) * normal * sin
+    sway = -(1.0 + p.rudder_a_h[k]) * normal * cos
     lever = p.thruster_x[k] + p.rudder_a_h[k] * p.rudder_x_h[k] * p.length
-    return surge, sway, -lever * normal * math.cos(angle)
+    return surge, sway, -lever * normal * cos
