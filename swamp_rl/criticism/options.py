@@ -252,8 +252,8 @@ class Options:
     restart_share: float = 0.5  # of the shortest window, length of those that a fit is restarted from
     # ---- Frequency scan
     wave_piece: float = 0.5  # s of constant force
-    lowest_wave: float = 0.0358  # U/L (0.02 Hz of SWAMP)
-    highest_wave: float = 0.895  # U/L (0.5 Hz of SWAMP)
+    lowest_wave: float = 0.0358  # U/L (0.04 Hz of SWAMP)
+    highest_wave: float = 0.895  # U/L (1 Hz of SWAMP)
     # numbers (about 4 s) in the Jacobian of a scan of whole runs, where the middle windows, which show most
     # waves, leave noise: it grows with the square of the runs' length
     largest_scan: float = 2e8

@@ -44,6 +44,21 @@ def throttle_after(throttle: float, command: float, time_constant: float, time: 
 
 
 @compiled
+def throttle_at_start(throttle: float, command: float, time_constant: float, h: float) -> float:
+    """Throttle [1] that stands for the start of a step of h [s]: c + (p_0 − c) e.
+
+    e makes the mean over the step exact, (e + 4 e^(−z/2) + e^(−z)) / 6 = (1 − e^(−z)) / z with z = h/T, for
+    Runge-Kutta weighs a force of time alone by Simpson's rule. It is 1 to the order of the integration where
+    the lag is long, and 0 without one: with e = 1 any lag, however short, would act for a sixth of a step.
+    """
+    if time_constant <= 0.0:
+        return command
+    z = h / time_constant
+    left = -6.0 * math.expm1(-z) / z - 4.0 * math.exp(-0.5 * z) - math.exp(-z)
+    return command + (throttle - command) * left
+
+
+@compiled
 def lagging(throttle: float, command: float, time: float, k: int, p: Any) -> float:
     """As `level_after`, for a boat whose throttles have no limit of rate."""
     return throttle_after(throttle, command, p.pump_time_constant[k], time)
@@ -59,6 +74,24 @@ def limited(throttle: float, command: float, time: float, k: int, p: Any) -> flo
 
 # Throttle [1], or revolutions [rps], of thruster k after `time` [s] of a held command.
 level_after = by_field("throttle_rate", limited, lagging)
+
+
+@compiled
+def lagging_at_start(throttle: float, command: float, h: float, k: int, p: Any) -> float:
+    """As `level_at_start`, for a boat whose throttles have no limit of rate."""
+    return throttle_at_start(throttle, command, p.pump_time_constant[k], h)
+
+
+@compiled
+def limited_at_start(throttle: float, command: float, h: float, k: int, p: Any) -> float:
+    """As `level_at_start`, with a limit of rate, which a throttle that moves meets at first."""
+    if p.throttle_rate[k] == math.inf:
+        return lagging_at_start(throttle, command, h, k, p)
+    return throttle
+
+
+# The level that stands for the start of a step of h [s].
+level_at_start = by_field("throttle_rate", limited_at_start, lagging_at_start)
 
 
 @compiled

@@ -11,7 +11,14 @@ from swamp_rl.physics.force_curve import ANGLE_OF_THRUSTER, JET, LEVEL_OF_THRUST
 from swamp_rl.physics.motion import constants_of, runge_kutta_step, water_velocity
 from swamp_rl.physics.noise import normal_pair
 from swamp_rl.physics.propulsion import actuator_output, throttle_limits, worn
-from swamp_rl.physics.thrusters import alive, azimuth_after, level_after, put_output, supply
+from swamp_rl.physics.thrusters import (
+    alive,
+    azimuth_after,
+    level_after,
+    level_at_start,
+    put_output,
+    supply,
+)
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.state import (
     ACTUATORS,
@@ -106,7 +113,10 @@ def move_actuators(state: Any, command: Any, h: float, jets: Any, p: Any) -> Non
                 angle = azimuth_after(
                     azimuth, azimuth_command, p.azimuth_time_constant[k], p.azimuth_rate[k], time
                 )
-                level = level_after(throttle, throttle_command, time, k, p)
+                if i == 0:
+                    level = level_at_start(throttle, throttle_command, h, k, p)
+                else:
+                    level = level_after(throttle, throttle_command, time, k, p)
             before = jets[(i + 2) % 3, k]
             if wears or angle != before[ANGLE_OF_THRUSTER] or level != before[LEVEL_OF_THRUSTER]:
                 first, second = actuator_output(angle, level, k, p)

@@ -40,6 +40,16 @@ def test_the_default_step_is_accurate_to_a_centimetre_over_half_a_minute_of_hard
         assert np.hypot(*(coarse - fine)[:, :2].T).max() < 1e-2
 
 
+@pytest.mark.parametrize("lag", [1e-6, 0.003, 0.01, 0.03, 0.1, 0.5])
+def test_a_lag_of_the_pumps_acts_for_its_own_time_in_steps_that_are_longer(lag: float) -> None:
+    throttles = np.repeat(np.random.default_rng(4).uniform(0.0, 1.0, (20, 4)), 10, axis=0)
+    command = np.concatenate([np.zeros_like(throttles), throttles], axis=1)
+    coarse, fine = (track(BOAT, command, substeps=n, pump_time_constant=lag) for n in (1, 400))
+    without = track(BOAT, command, substeps=400)
+    late = np.abs(fine - without)[:, SURGE].max()
+    assert np.abs(coarse - fine)[:, SURGE].max() < 0.35 * late + 1e-6
+
+
 def test_a_toy_of_a_third_of_a_metre_is_computed_to_a_thousandth_of_its_length(tmp_path: Path) -> None:
     toy = load_boat(written(tmp_path, "toy"))
     throttles = np.repeat(np.random.default_rng(0).uniform(0.0, 1.0, (20, 2)), 5, axis=0)
