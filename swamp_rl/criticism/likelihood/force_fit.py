@@ -60,7 +60,7 @@ def fit_forces(
     damping = np.zeros(shape[0])
     moved = np.ones(shape[0], dtype=bool)
     by_state = np.empty((*residual.shape, 6))
-    by_force = np.moveaxis(np.empty((AXES * grid.count, *residual.shape)), 0, -1)  # as `force_jacobian`
+    by_force = np.empty((*residual.shape, AXES * grid.count))
     for _ in range(options().force_rounds):
         if moved.any():
             part, where = chosen_windows(problem, moved), (hypothesis, x, states[moved])
