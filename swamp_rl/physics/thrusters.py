@@ -59,39 +59,38 @@ def throttle_at_start(throttle: float, command: float, time_constant: float, h: 
 
 
 @compiled
-def lagging(throttle: float, command: float, time: float, k: int, p: Any) -> float:
-    """As `level_after`, for a boat whose throttles have no limit of rate."""
-    return throttle_after(throttle, command, p.pump_time_constant[k], time)
+def own_rate(k: int, p: Any) -> float:
+    """Limit of the throttle's rate [1/s] of thruster k, inf for none."""
+    return p.throttle_rate[k]
 
 
 @compiled
-def limited(throttle: float, command: float, time: float, k: int, p: Any) -> float:
-    """As `level_after`, with a limit of rate [1/s], inf for none: the same law as an azimuth's."""
-    if p.throttle_rate[k] == math.inf:
-        return lagging(throttle, command, time, k, p)
-    return azimuth_after(throttle, command, p.pump_time_constant[k], p.throttle_rate[k], time)
+def no_limit(k: int, p: Any) -> float:
+    """Of a boat whose throttles have no limit of rate."""
+    return math.inf
 
 
-# Throttle [1], or revolutions [rps], of thruster k after `time` [s] of a held command.
-level_after = by_field("throttle_rate", limited, lagging)
+throttle_rate = by_field("throttle_rate", own_rate, no_limit)
 
 
 @compiled
-def lagging_at_start(throttle: float, command: float, h: float, k: int, p: Any) -> float:
-    """As `level_at_start`, for a boat whose throttles have no limit of rate."""
-    return throttle_at_start(throttle, command, p.pump_time_constant[k], h)
+def level_after(throttle: float, command: float, time: float, k: int, p: Any) -> float:
+    """Throttle [1], or revolutions [rps], of thruster k after `time` [s] of a held command; with a limit of
+    rate by the same law as an azimuth's.
+    """
+    if throttle_rate(k, p) == math.inf:
+        return throttle_after(throttle, command, p.pump_time_constant[k], time)
+    return azimuth_after(throttle, command, p.pump_time_constant[k], throttle_rate(k, p), time)
 
 
 @compiled
-def limited_at_start(throttle: float, command: float, h: float, k: int, p: Any) -> float:
-    """As `level_at_start`, with a limit of rate, which a throttle that moves meets at first."""
-    if p.throttle_rate[k] == math.inf:
-        return lagging_at_start(throttle, command, h, k, p)
+def level_at_start(throttle: float, command: float, h: float, k: int, p: Any) -> float:
+    """The level of thruster k that stands for the start of a step of h [s]; a throttle with a limit of rate
+    meets that at first.
+    """
+    if throttle_rate(k, p) == math.inf:
+        return throttle_at_start(throttle, command, p.pump_time_constant[k], h)
     return throttle
-
-
-# The level that stands for the start of a step of h [s].
-level_at_start = by_field("throttle_rate", limited_at_start, lagging_at_start)
 
 
 @compiled

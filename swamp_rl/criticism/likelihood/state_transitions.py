@@ -86,11 +86,9 @@ def state_transitions(
     variants = 1 + len(step)
     begun = np.repeat(started[None], variants, axis=0)
     pushed = np.repeat(acting[None], variants, axis=0)
-    for i in range(len(step)):
-        if i < STATES:
-            begun[1 + i, :, i] += step[i]
-        else:
-            pushed[1 + i, :, 0, i - STATES] += step[i]
+    one, axis = np.arange(STATES), np.arange(AXES)
+    begun[1 + one, :, one] += step[:STATES, None]
+    pushed[1 + STATES + axis, :, 0, axis] += step[STATES:, None]
     same = np.repeat(x[None], variants, axis=0), begun, pushed.reshape(-1, 1, AXES)
     track = cut.motion(hypothesis, *same, rows)[:, :, 1 : rows + 1]
     slopes = (track[1:] - track[0]) / step[:, None, None, None]

@@ -12,10 +12,9 @@ from swamp_rl.criticism.likelihood.force_sensitivity import (
     force_responses,
     transitions,
 )
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.multiple_shooting import NO_ACCELERATION, Shooting
 from swamp_rl.criticism.likelihood.normal_equations import Normal, normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
-from swamp_rl.criticism.likelihood.state_transitions import StateTransitions
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator.reference import reference_of
 
@@ -71,22 +70,28 @@ def _gains_and_amplitudes(problem: Shooting, at: Fit, by_x: Array, frequencies: 
     harmonic forces. None where a simulation diverged.
     """
     grid = force_grid(problem, options().wave_piece)
-    made = transitions(problem, at.hypothesis, at.x, at.states, grid)
+    where = at.hypothesis, at.x, at.states, grid
     normal = normal_equations(at.states_jacobian, by_x, at.residual)
-    short = grid.count <= options().wave_pulses
-    where = problem, at.hypothesis, at.x, at.states, grid, (0, 1), at.states_jacobian, at.residual
-    pulses = force_normal_equations(*where, beside=by_x) if short else None
+    if grid.count <= options().wave_pulses:
+        motion = problem.motion(at.hypothesis, at.x[None], at.states[None], NO_ACCELERATION, 1)[0]
+        pulses = force_normal_equations(problem, *where, (0, 1), at.states_jacobian, at.residual, beside=by_x)
+
+        def quadratic(forces: Array) -> _Quadratic:
+            return _of_pulses(pulses, forces, by_x.shape[2])
+
+    else:
+        made = transitions(problem, *where)
+        motion = made.motion
+
+        def quadratic(forces: Array) -> _Quadratic:
+            return _of_responses(normal, at, by_x, force_responses(made, grid, forces))
+
     of_x = inverse(normal.information.sum(axis=0))
     by_own = of_x @ normal.gradient.sum(axis=0)
     gains, amplitudes = [], []
     together = max(1, options().chunk_bytes // (8 * COMPONENTS * at.residual.size))
     for some in np.split(frequencies, range(together, len(frequencies), together)):
-        forces = _harmonic_forces(made, grid, some)
-        if pulses is not None:
-            found = _of_pulses(pulses, forces, by_x.shape[2])
-        else:
-            slopes = force_responses(made, grid, forces)
-            found = _of_responses(normal, at, by_x, slopes)
+        found = quadratic(_harmonic_forces(problem, motion, grid, some))
         H = found.information - found.cross @ of_x @ found.cross.swapaxes(1, 2)
         g = found.gradient - found.cross @ by_own
         finite = np.isfinite(H).all(axis=(1, 2)) & np.isfinite(g).all(axis=1)
@@ -122,11 +127,12 @@ def _of_responses(normal: Normal, at: Fit, by_x: Array, slopes: Array) -> _Quadr
     return _Quadratic(np.swapaxes(by, 1, 2) @ by - of_states, left[..., p], left[..., :p])
 
 
-def _harmonic_forces(made: StateTransitions, grid: ForceGrid, frequencies: Array) -> Array:
-    """(W, L, 3, 4 F) surge, sway and yaw in each block of unit forces that oscillate."""
-    middle = (np.arange(max(made.blocks, grid.count)) + 0.5) * grid.block
-    heading = made.motion[:, np.minimum(middle, made.motion.shape[1] - 1).astype(int), 2]
-    time = (made.problem.windows.first[:, None] + middle) * made.problem.dt
+def _harmonic_forces(problem: Shooting, motion: Array, grid: ForceGrid, frequencies: Array) -> Array:
+    """(W, L, 3, 4 F) surge, sway and yaw in each block of unit forces that oscillate; motion: (W, T, 6)."""
+    steps = motion.shape[1] - 1
+    middle = (np.arange(max(-(-steps // grid.block), grid.count)) + 0.5) * grid.block
+    heading = motion[:, np.minimum(middle, steps).astype(int), 2]
+    time = (problem.windows.first[:, None] + middle) * problem.dt
     phase = 2.0 * np.pi * time[..., None] * frequencies
     cos, sin = np.cos(heading)[..., None], np.sin(heading)[..., None]
     forces = np.zeros((*time.shape, 3, len(frequencies), COMPONENTS))
