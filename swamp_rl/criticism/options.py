@@ -109,7 +109,7 @@ class Options:
     start_sd_in_noise: float = 3.0  # the same in standard deviations of the noise
     most_histories: int = 12  # actuator histories that are kept
     most_tracks: int = 32  # tracks of all windows that are kept, to be asked for again
-    most_scores: int = 4  # sets of score tests that are kept, to be asked for again
+    most_scores: int = 4  # fits of windows whose score tests are kept, to be asked for again
     # in `state_scale`, of finite differences: unstable boats magnify them
     state_step: tuple[float, ...] = (8e-6, 8e-6, 1e-6, 7.2e-7, 7.2e-7, 8.9e-7)
     # ---- Levenberg-Marquardt of parameters and initial states
@@ -232,14 +232,15 @@ class Options:
     exchange_hopeless: float = 30.0  # chi2 a sample of the middle windows, above which none is tried
     exchange_reach: float = 0.5  # typical sizes to either side of its values that an effect begins again from
     # ---- Reconstruction of commands between samples
-    # of a step that are tried: linear interpolation, and the next row's command
-    reconstruction_shares: tuple[float, ...] = (0.5, 1.0)
+    common_share_step: float = 0.5  # of a share of all commands, of the finite difference
+    common_share_rounds: int = 3  # Gauss-Newton steps in it
     reconstruction_gain: float = 40.0  # chi2 that a reconstruction must save
     reconstruction_share: float = 0.2  # of chi2 above noise, also: commands do not explain a missing force
     reconstruction_most: float = 3.0  # chi2 a sample above which none is accepted
     reconstruction_hopeless: float = 30.0  # chi2 a sample above which none is tried
     instants_damping: tuple[float, float, int] = (0.1, 10.0, 5)  # of the information: least, factor, tries
     reconstruction_rounds: int = 8  # repetitions of the fit of all switching times
+    instants_reach: float = 2.0  # times the gain that normal equations promise: the most that a fit may have
     # ---- Continuation in the window length
     window_lengths: tuple[float, float] = (5.0, 20.0)  # s, at least: nearly convex, discriminating
     window_lengths_of_boat: tuple[float, float] = (5.5, 22.0)  # L/U of the boat, at least

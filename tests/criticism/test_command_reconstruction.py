@@ -23,7 +23,6 @@ from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.command_reconstruction import (
     interpolated,
     is_refuted,
-    least_of_parabola,
     other_commands,
     reconstruction_on_whole_runs,
 )
@@ -66,12 +65,6 @@ def test_interpolated_commands_lie_between_two_rows_and_turn_the_shorter_way() -
     assert half[0, 3, 0] == pytest.approx(np.pi)
     assert half[0, :-1, 5] == pytest.approx((commands[0, :-1, 5] + commands[0, 1:, 5]) / 2)
     assert half[:, -1] == pytest.approx(commands[:, -1])
-
-
-def test_the_least_of_a_parabola_is_between_or_at_an_end() -> None:
-    assert least_of_parabola(*((share - 0.4) ** 2 for share in (0.0, 0.5, 1.0))) == pytest.approx(0.4)
-    assert least_of_parabola(3.0, 2.0, 1.0) == 1.0
-    assert least_of_parabola(1.0, 3.0, 4.0) == 0.0
 
 
 @pytest.mark.parametrize("held", [False, True])

@@ -81,7 +81,7 @@ class Shooting:
         self.histories: dict[tuple[str, bytes], Array] = {}
         self.last_records: list[Any] = []  # hypothesis, numbers and what `_records` made of them
         self.last_slopes: list[Any] = []  # the same of `state_jacobian`, by window and initial state
-        self.scores: list[Any] = []  # fits, effects, boat steps and what `score_tests` made of them
+        self.scores: list[Any] = []  # fits, and what `score_tests` computed beside them
 
     def _with_start_prior(self, windows: Windows) -> Windows:
         """The windows with a Gaussian prior about the smoothed initial states as their first row."""

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.data.run_set import Instants, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
-from swamp_rl.criticism.likelihood.output_error import Fit, fit, min_decrease
+from swamp_rl.criticism.likelihood.normal_equations import normal_equations
+from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, fit, min_decrease
 from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.nuisance.command_timing import command_changes, interpolated_at
 from swamp_rl.criticism.nuisance.switching_times import (
@@ -19,6 +20,7 @@ from swamp_rl.criticism.nuisance.switching_times import (
     departures,
     mean_share,
     moved_shares,
+    promised_gain,
     share_equations,
 )
 from swamp_rl.criticism.options import options
@@ -97,7 +99,7 @@ def _reconstruction(
     begin: tuple[Instants | None, Fit] | None = None,
 ) -> RunSet | None:
     """The runs with commands that lower the chi2 of a fit by `least`, to less than `most`, or None: moved by
-    one share of every step, at the minimum of a parabola, or where that saves more by one of each step.
+    one share of every step, or where that saves more by one of each step.
 
     begin: instants to begin from, and the fit with them.
     """
@@ -109,7 +111,7 @@ def _reconstruction(
     if best:  # which they must save in addition
         least = max(least, at.chi2 - shared.chi2 + options().reconstruction_gain)
     wanted = min(at.chi2 - least, most)
-    each, made, cost = fit_switching_times(problem, start, logged, share, known, wanted)
+    each, made, cost = fit_switching_times(problem, start, logged, share, known, wanted, costs=True)
     return each if made.chi2 < min(at.chi2 - least - cost, most) else best
 
 
@@ -134,9 +136,12 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
     most = continuation.criterion(at) + problem.run_set.instants_cost
     most += options().separation - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
-    if shared.chi2 < most and adequacy(problem, shared).adequate:
-        return interpolated(logged, share)
-    each, made, cost = fit_switching_times(problem, shared, logged, share, problem.run_set.fitted_instants)
+    other = interpolated(logged, share)
+    changes = not np.array_equal(other.commands, problem.run_set.commands)
+    if changes and shared.chi2 < most and adequacy(problem, shared).adequate:
+        return other
+    known = problem.run_set.fitted_instants
+    each, made, cost = fit_switching_times(problem, shared, logged, share, known, most, costs=True)
     saves = made.chi2 + cost < most
     return each if saves and adequacy(problem, made).adequate else None
 
@@ -187,11 +192,45 @@ def without_timing(at: Fit) -> Kept:
 
 
 def fit_common_share(problem: Shooting, at: Fit, logged: RunSet) -> tuple[float, Fit]:
-    """The share of a step, common to all commands, at least chi2 under a hypothesis, and the fit with it."""
-    fits = [at if logged.commands is problem.run_set.commands else _refit(problem, logged, at)]
-    fits += [_refit(problem, interpolated(logged, share), at) for share in options().reconstruction_shares]
-    share = least_of_parabola(*(one.chi2 for one in fits))
-    return share, _refit(problem, interpolated(logged, share), min(fits, key=lambda one: one.chi2))
+    """The share of a step, common to all commands, at least chi2 under a hypothesis, and the fit with it: by
+    Gauss-Newton steps in the share, the parameters and the initial states, as long as they promise to save
+    what a fit goes on for.
+    """
+    share, made = 0.0, at if logged.commands is problem.run_set.commands else _refit(problem, logged, at)
+    for _ in range(options().common_share_rounds):
+        moved, x, states, promised = _share_step(problem, made, logged, share)
+        if promised < min_decrease(problem, made.chi2):
+            break
+        there = _problem(problem, interpolated(logged, moved))
+        again = fit(there, made.hypothesis, x, states, options().again_steps)
+        if again.chi2 >= made.chi2:
+            break
+        share, made = moved, again
+    return share, made
+
+
+def _share_step(
+    problem: Shooting, at: Fit, logged: RunSet, share: float
+) -> tuple[float, Array, Array, float]:
+    """Share, parameters (p,) and states (W, 6) after a Gauss-Newton step from a fit with that share of every
+    command's change, and the fall of chi2 that it promises.
+    """
+    by = options().common_share_step
+    by = -by if share + by > 1.0 else by
+    here, there = (_problem(problem, interpolated(logged, one)) for one in (share, share + by))
+    where = at.hypothesis, at.x, at.states
+    base = here.track(*where)
+    by_share = here.standardised((there.track(*where) - base) / by)
+    slopes = np.concatenate([here.parameter_jacobian(*where, base), by_share[..., None]], axis=2)
+    normal, size = normal_equations(at.states_jacobian, slopes, at.residual), at.hypothesis.size
+    H, g = normal.information.sum(axis=0), normal.gradient.sum(axis=0)
+    H[:size, :size] += at.hypothesis.prior_precision
+    g[:size] -= at.hypothesis.prior_precision @ (at.x - at.hypothesis.prior()[0])
+    low, high = at.hypothesis.bounds()
+    now = np.append(at.x, share)
+    step = bounded_step(H, g, now, np.append(low, 0.0), np.append(high, 1.0))
+    promised = float(2.0 * g @ step - step @ H @ step)
+    return float((now + step)[-1]), at.x + step[:-1], at.states + normal.shift(step), promised
 
 
 def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
@@ -210,10 +249,12 @@ def fit_switching_times(
     share: float,
     begin: Instants | None = None,
     wanted: float = math.inf,
+    costs: bool = False,
 ) -> tuple[RunSet, Fit, float]:
     """The runs with a fitted share for each larger step, their fit, and their cost (`cost_of_shares`), begun
     from known ones, or from one common share; at: a fit with these. Given up where rounds that all gain as
-    much as the last one would not bring chi2 below what is wanted.
+    much as the last one would not bring chi2 below what is wanted. costs: whether that holds for chi2 and the
+    cost together; the normal equations then have to promise as much.
     """
     change = command_changes(logged)
     shares = np.full(change.shape[:2], share)
@@ -227,6 +268,9 @@ def fit_switching_times(
     equations = list[ShareEquations]()
     for left in reversed(range(options().reconstruction_rounds)):
         equations = share_equations(_problem(problem, best), least, change, shares, share)
+        cost = cost_of_shares(equations, shares, share) if costs else 0.0
+        if costs and least.chi2 + cost - options().instants_reach * promised_gain(equations) > wanted:
+            break
         others = shares if begin else np.full_like(shares, share)
         prior = departures(equations, shares, share)
         for _ in range(tries):
@@ -245,19 +289,11 @@ def fit_switching_times(
             damping = np.where(rise > 0.0, damping, damping / factor)
         share = mean_share(equations, shares, share)
         # after the first round, the gain that is enough is that of a fit
-        if gain < enough or least.chi2 - left * gain > wanted:
+        if gain < enough or least.chi2 + cost - left * gain > wanted:
             break
         enough = min_decrease(problem, least.chi2)
     cost = cost_of_shares(equations, shares, share)
     return replace(best, instants=Instants(change, shares, cost)), least, cost
-
-
-def least_of_parabola(start: float, middle: float, end: float) -> float:
-    """Minimum in [0, 1] of a parabola through values at 0, 1/2 and 1."""
-    bend = start - 2.0 * middle + end
-    if bend <= 0.0:
-        return 0.0 if start < end else 1.0
-    return float(np.clip(0.5 + (start - end) / (4 * bend), 0.0, 1.0))
 
 
 def _refit(problem: Shooting, run_set: RunSet, at: Fit, fresh: bool = False) -> Fit:

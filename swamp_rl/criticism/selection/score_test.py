@@ -1,8 +1,9 @@
 """Score test: the expected fall of chi2 by each further effect, from one Jacobian without a fit."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.frequency_scan import wave_starts
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -36,17 +38,14 @@ class ScoreTest:
 
 def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
     """Score tests of every effect beside `at`, least expected chi2 first; of none that changes nothing there
-    for want of another. The problem keeps the last ones: a search asks for those of the boat file again.
+    for want of another. The problem keeps those of the last fits: a search asks for them again.
     """
-    asked, before = tuple(instances), problem.boat_steps[0]
-    for fitted, of_effects, steps, scores in problem.scores:
-        if fitted is at and of_effects == asked:
-            problem.boat_steps[0] += steps
-            return list(scores)
-    scores = _score_tests(problem, at, instances)
-    kept = (at, asked, problem.boat_steps[0] - before, scores)
-    problem.scores = [*problem.scores, kept][-options().most_scores :]
-    return list(scores)
+    own = {instance.label for instance in at.hypothesis.instances}
+    instances = [one for one in instances if one.label not in own and at.hypothesis.is_beside(one)]
+    base, where = _base_of(problem, at), (at.hypothesis, at.x, at.states)
+    by_x = base.once("by x", lambda: problem.parameter_jacobian(*where, problem.track(*where)))
+    added = [_Added(base, instance, by_x) for instance in instances]
+    return sorted(map(_score_test, added), key=lambda one: one.expected_chi2)
 
 
 def score_tests_from_neutral(
@@ -65,28 +64,45 @@ def score_tests_from_neutral(
     return [*kept, *score_tests(problem, at, flat)] if flat else kept
 
 
-def _score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance]) -> list[ScoreTest]:
-    own = {instance.label for instance in at.hypothesis.instances}
-    instances = [one for one in instances if one.label not in own and at.hypothesis.is_beside(one)]
-    base = problem.track(at.hypothesis, at.x, at.states)
-    by_x = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
-    added = [_Added(problem, at, instance, by_x) for instance in instances]
-    return sorted(map(_score_test, added), key=lambda one: one.expected_chi2)
+@dataclass(frozen=True)
+class _Base:
+    """A fit that effects are added to, and what was computed for that, with its boat steps."""
+
+    problem: Shooting
+    at: Fit
+    known: dict[Hashable, tuple[int, Any]] = field(default_factory=dict)
+
+    def once(self, key: Hashable, make: Callable[[], T]) -> T:
+        """What `make` gives, or has given for this key; either way its boat steps count."""
+        count = self.problem.boat_steps
+        if key in self.known:
+            count[0] += self.known[key][0]
+            return cast(T, self.known[key][1])
+        before, made = count[0], make()
+        self.known[key] = count[0] - before, made
+        return made
+
+
+def _base_of(problem: Shooting, at: Fit) -> _Base:
+    base = next((one for one in problem.scores if one.at is at), None)
+    if base is None:
+        base = _Base(problem, at)
+        problem.scores = [*problem.scores, base][-options().most_scores :]
+    return base
 
 
 @dataclass(frozen=True)
 class _Added:
-    """An effect instance added to a fit `at`; by_x: (W, M, p) Jacobian by the parameters of that."""
+    """An effect instance added to a fit; by_x: (W, M, p) Jacobian by the parameters of that."""
 
-    problem: Shooting
-    at: Fit
+    base: _Base
     instance: EffectInstance
     by_x: Array
 
     @cached_property
     def hypothesis(self) -> Hypothesis:
         """All effects together."""
-        return self.at.hypothesis.with_instance(self.instance)
+        return self.base.at.hypothesis.with_instance(self.instance)
 
     @cached_property
     def place(self) -> NDArray[np.bool_]:
@@ -96,19 +112,26 @@ class _Added:
     def x(self, own: Array) -> Array:
         """(V, p) the parameters of the fit and those of the instance (V, p_instance)."""
         x = np.empty((len(own), len(self.place)))
-        x[:, ~self.place], x[:, self.place] = self.at.x, own
+        x[:, ~self.place], x[:, self.place] = self.base.at.x, own
         return x
 
 
 def _score_test(added: _Added) -> ScoreTest:
-    problem, at, instance = added.problem, added.at, added.instance
+    base, instance = added.base, added.instance
+    return base.once(instance, lambda: _of_best_start(added))
+
+
+def _of_best_start(added: _Added) -> ScoreTest:
+    base, instance = added.base, added.instance
+    problem, at = base.problem, base.at
     starts: list[tuple[float, ...]] = [start * instance.count for start in instance.starts]
 
     def neutral() -> tuple[float, ...]:
         return neutral_start(instance, problem.boat) * instance.count
 
     if instance.effect.begin == "spectral":
-        starts = [tuple(start) for start in wave_starts(problem, at, added.by_x)]
+        waves = base.once("waves", lambda: wave_starts(problem, at, added.by_x))
+        starts = [tuple(start) for start in waves]
     elif instance.effect.begin == "changepoint":
         starts = [(failure_start(added),)]
     elif instance.size > 0:
@@ -141,7 +164,7 @@ def neutral_start(instance: EffectInstance, boat: Boat) -> tuple[float, ...]:
 
 def failure_start(added: _Added) -> float:
     """The best instant of a failure, from simulations without the thruster."""
-    problem, at, by_x = added.problem, added.at, added.by_x
+    problem, at, by_x = added.base.problem, added.base.at, added.by_x
     _, dead = nearer_states(problem, added.hypothesis, added.x(np.zeros((1, 1)))[0], at)
     both = [normal_equations(at.states_jacobian, by_x, r) for r in (at.residual, dead)]
     times = problem.windows.first * problem.dt
@@ -176,7 +199,8 @@ def nearer_states(problem: Shooting, hypothesis: Hypothesis, x: Array, at: Fit) 
 
 def _refined(added: _Added, found: float) -> float:
     """The best instant about `found` [s], from simulations of the windows about it alone."""
-    problem, at, win = added.problem, added.at, added.problem.windows
+    problem, at = added.base.problem, added.base.at
+    win = problem.windows
     length = win.rows * problem.dt
     begins, ends = win.first * problem.dt, (win.first + win.steps) * problem.dt
     times = np.maximum(found + np.linspace(-length, length, options().instants), 0.0)
@@ -191,9 +215,10 @@ def _refined(added: _Added, found: float) -> float:
 
 def _best_grid_point(added: _Added) -> tuple[float, ...]:
     """The grid point of least profile chi2, of each group where an effect differs between groups."""
-    problem, at, instance = added.problem, added.at, added.instance
+    problem, at, instance = added.base.problem, added.base.at, added.instance
     points, groups = np.array(instance.grid), np.array(instance.groups)
-    slopes = added.by_x[..., :0] if instance.groups else added.by_x
+    by_x = added.by_x
+    slopes = by_x[..., :0] if instance.groups else by_x
     group = groups[problem.run_set.origins[problem.windows.run]] if instance.groups else None
     losses = []
     for start in range(0, len(points), options().grid_batch):
@@ -220,7 +245,14 @@ def _profile_chi2(at: Fit, by_x: Array, residual: Array) -> float:
 
 
 def _score_step(added: _Added, start: Array) -> ScoreTest:
-    problem, at, hypothesis, place = added.problem, added.at, added.hypothesis, added.place
+    """The score test from one start, the same whatever the instance's other ones."""
+    alone = replace(added.instance, starts=(), grid=()), start.tobytes()
+    made = added.base.once(alone, lambda: _stepped(added, start))
+    return replace(made, hypothesis=added.hypothesis, instance=added.instance)
+
+
+def _stepped(added: _Added, start: Array) -> ScoreTest:
+    problem, at, hypothesis, place = added.base.problem, added.base.at, added.hypothesis, added.place
     (x,) = added.x(start[None])
     jump = added.instance.effect.begin == "changepoint" or not len(start)
     states = nearer_states(problem, hypothesis, x, at)[0] if jump else at.states
