@@ -101,7 +101,8 @@ class Options:
     smoothing_span_rough: float = 2.0  # s of the same for noisy positions
     clean_position: float = 0.0806  # boat lengths of noise up to which the shorter is used (0.2 m of SWAMP)
     # ---- Multiple shooting
-    substep_of_runs: float = 0.5  # of the simulator's: the step in whole runs, which magnify its error
+    # of the simulator's: the step in whole runs, which magnify its error; Jacobians take the simulator's own
+    substep_of_runs: float = 0.5
     pad: float = 1.0  # s simulated before a window's first sample, so that delays see what went before
     shortest_window: float = 1.5  # s of a window between gaps, below which it is not compared
     # least standard deviation of a smoothed state, in `state_scale`

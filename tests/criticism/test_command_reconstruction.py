@@ -17,10 +17,12 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.command_timing import command_changes, interpolated_at
+from swamp_rl.criticism.nuisance.switching_times import promised_gain, share_equations
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation
 from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.command_reconstruction import (
+    fit_switching_times,
     interpolated,
     is_refuted,
     other_commands,
@@ -28,7 +30,7 @@ from swamp_rl.criticism.selection.command_reconstruction import (
 )
 from swamp_rl.criticism.selection.continuation import LAST, continuation_of
 from swamp_rl.criticism.selection.model_selection import select_model
-from tests.support.criticism import DT, SECONDS, driven, gauss_markov_noise
+from tests.support.criticism import DT, SECONDS, driven, gauss_markov_noise, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
@@ -350,3 +352,32 @@ def test_other_commands_are_refuted_by_whole_runs_that_the_logged_ones_explain()
     assert not is_refuted(right, replace(whole, adequate=False), wrong)
     worse = replace(whole, winner=wrong.fit(LAST, found.winner.hypothesis, found.winner.x))
     assert not is_refuted(wrong, worse, right)
+
+
+def test_a_search_for_faster_actuators_is_not_repeated_with_the_same_commands() -> None:
+    runs = simulated_runs([{"effect": "azimuth_lag", "time_constant": 0.107}])
+    continuation = continuation_of(runs, weights(runs, noise_levels(runs)))
+    lag = by_label(candidates(runs.boat, SECONDS))["azimuth_lag"]
+    winner = continuation.fit(LAST, Hypothesis((lag,)), np.array([0.107]))
+    nothing = fit_by_continuation(continuation, Hypothesis(), np.zeros(0))
+    assert nothing.chi2 < fit_by_continuation(continuation, Hypothesis((lag,)), winner.x).chi2 + 9.0
+    found = Selection(winner, True, LAST, [], [], [], [])
+    attempts = other_commands(continuation, found, runs, spent=False)
+    assert not any(np.array_equal(other.commands, runs.commands) for other, _, _ in attempts)
+
+
+def test_normal_equations_promise_about_what_fitted_switching_times_save() -> None:
+    _, log = switched({"effect": "resistance", "scale": 1.5})
+    problem = Shooting(log, weights(log, noise_levels(log)), 5.0)
+    resistance = Hypothesis((by_label(candidates(log.boat, SECONDS))["resistance"],))
+    at = fit(problem, resistance, ONE, problem.initial_states(), fresh=True)
+    change = command_changes(log)
+    shares = np.zeros(change.shape[:2])
+    promised = promised_gain(share_equations(problem, at, change, shares, 0.0))
+    _, made, _ = fit_switching_times(problem, at, log, 0.0)
+    saved = at.chi2 - made.chi2
+    assert saved > 500.0
+    assert 0.5 * saved < promised < 2.0 * saved
+    with using(instants_reach=1e-9):
+        given_up = fit_switching_times(problem, at, log, 0.0, None, made.chi2, costs=True)[1]
+    assert given_up.chi2 == pytest.approx(at.chi2, rel=1e-3)

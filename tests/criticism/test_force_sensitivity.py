@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.likelihood.finite_differences import state_jacobian
 from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_jacobian, force_normal_equations
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
@@ -24,7 +25,7 @@ def test_chunks_give_the_equations_of_all_windows_in_less_memory() -> None:
     states, nothing, at_rest = problem.initial_states(), Hypothesis(), np.zeros(0)
     base = problem.predict(nothing, at_rest[None], states[None])[0]
     residual = problem.residuals(base)
-    by_state = problem.state_jacobian(nothing, at_rest, states, base)
+    by_state = state_jacobian(problem, nothing, at_rest, states, base)
     pieces = force_grid(problem, 0.5)
     where = (problem, nothing, at_rest, states, pieces, AXES)
     force_normal_equations(*where, by_state, residual)  # compiled

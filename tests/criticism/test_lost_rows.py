@@ -9,6 +9,7 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import Gap, RunSet
 from swamp_rl.criticism.data.windows import cut
 from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian
 from swamp_rl.criticism.likelihood.initial_states import levels_and_slopes, smoothed_states
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
@@ -91,7 +92,7 @@ def test_a_standard_error_counts_that_the_command_in_lost_rows_is_unknown() -> N
     commands[0, int((commands[0, :, 4] == 0.5).sum()) - 1] = commands[0, -1]  # a row earlier
     moved = problem.with_commands(replace(problem.run_set, commands=commands))
     earlier = problem.standardised(moved.track(resistance, at.x, at.states) - base)
-    by_x = problem.parameter_jacobian(resistance, at.x, at.states, base)
+    by_x = parameter_jacobian(problem, resistance, at.x, at.states, base)
     slopes = np.concatenate([at.states_jacobian[0], by_x[0], earlier.reshape(-1, 1)], axis=1)
     information = slopes.T @ slopes
     alone = np.linalg.inv(information[:-1, :-1])[-1, -1]

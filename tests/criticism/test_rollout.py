@@ -11,6 +11,7 @@ import pytest
 from swamp_rl.criticism import threads
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.likelihood import multiple_shooting
+from swamp_rl.criticism.likelihood.finite_differences import state_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Iterate, jacobians_at
 from swamp_rl.criticism.model import rollout
@@ -134,10 +135,10 @@ def test_a_jacobian_that_was_kept_is_that_of_its_windows() -> None:
     states = problem.initial_states()
     moved = states + 0.1 * (np.arange(len(states)) % 2)[:, None]
     first, second = (
-        problem.state_jacobian(nothing, x, one, problem.track(nothing, x, one)) for one in (states, moved)
+        state_jacobian(problem, nothing, x, one, problem.track(nothing, x, one)) for one in (states, moved)
     )
     problem.last_slopes.clear()
-    anew = problem.state_jacobian(nothing, x, moved, problem.track(nothing, x, moved))
+    anew = state_jacobian(problem, nothing, x, moved, problem.track(nothing, x, moved))
     np.testing.assert_array_equal(second, anew)
     np.testing.assert_array_equal(second[::2], first[::2])
     assert (second[1::2] != first[1::2]).any()

@@ -12,6 +12,7 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.estimate import causes_of
 from swamp_rl.criticism.likelihood.cross_validation import heldout_numbers
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import at_states, fit
 from swamp_rl.criticism.model.candidates import (
@@ -64,7 +65,7 @@ def test_sensitivities_to_a_runs_own_wind_are_finite_differences_and_zero_in_oth
     problem, both = shooting(), hypothesis("mass", "wind by_run")
     x, states = np.array([60.0, *WINDS]), problem.initial_states()
     base = problem.predict(both, x[None], states[None])[0]
-    slopes = problem.parameter_jacobian(both, x, states, base)
+    slopes = parameter_jacobian(problem, both, x, states, base)
     for column, spec in enumerate(both.specs):
         moved = x.copy()
         moved[column] += spec.difference

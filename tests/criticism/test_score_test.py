@@ -12,7 +12,7 @@ from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model import rollout
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.selection.continuation import continuation_of
-from swamp_rl.criticism.selection.score_test import score_tests
+from swamp_rl.criticism.selection.score_test import score_tests, score_tests_from_neutral
 from tests.support.criticism import SECONDS, simulated_runs
 
 FAILURE = "thruster_failure bp"
@@ -70,3 +70,24 @@ def test_score_tests_that_are_asked_for_again_are_not_simulated_again_and_count_
     assert simulated and other[0].expected_chi2 != first[0].expected_chi2
     slower = problem.with_commands(replace(runs, commands=0.5 * runs.commands))
     assert score_tests(slower, at, every)[0].expected_chi2 != first[0].expected_chi2
+
+
+def test_score_tests_of_other_starts_and_fewer_effects_simulate_nothing_that_was_simulated_before(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs = simulated_runs([])
+    problem = continuation_of(runs, weights(runs, noise_levels(runs))).problems[0]
+    at = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states())
+    every = [one for one in candidates(runs.boat, SECONDS) if one.size and one.effect.begin == "score"]
+    anew = replace(at)
+    before = problem.boat_steps[0]
+    expected = score_tests_from_neutral(problem, anew, every[5:])
+    steps = problem.boat_steps[0] - before
+    score_tests(problem, at, every)
+    monkeypatch.setattr(multiple_shooting, "roll", None)
+    before = problem.boat_steps[0]
+    found = score_tests_from_neutral(problem, at, every[5:])
+    assert problem.boat_steps[0] - before == steps
+    for one, other in zip(found, expected, strict=True):
+        assert one.hypothesis == other.hypothesis and one.instance == other.instance
+        assert (one.expected_chi2, one.information) == (other.expected_chi2, other.information)

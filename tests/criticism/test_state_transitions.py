@@ -7,6 +7,7 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian
 from swamp_rl.criticism.likelihood.force_sensitivity import force_grid, force_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
@@ -69,7 +70,9 @@ def test_both_ways_to_scan_frequencies_find_the_same_waves() -> None:
     mass = by_label(candidates(load_boat("swamp"), SECONDS))["mass"]
     hypothesis = Hypothesis((mass,))
     at = fit(problem, hypothesis, np.array([60.0]), problem.initial_states())
-    by_x = problem.parameter_jacobian(hypothesis, at.x, at.states, problem.track(hypothesis, at.x, at.states))
+    by_x = parameter_jacobian(
+        problem, hypothesis, at.x, at.states, problem.track(hypothesis, at.x, at.states)
+    )
     with using(wave_pulses=0):
         each = wave_starts(problem, at, by_x)
     with using(wave_pulses=1000):

@@ -10,6 +10,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.boat_numbers.number import Number
 from swamp_rl.boat_numbers.numbers import free_numbers, write_numbers
 from swamp_rl.criticism.likelihood.adequacy import adequacy
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import Normal, normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
@@ -93,7 +94,7 @@ def _jointly(problem: Shooting, at: Fit) -> tuple[Normal, Array]:
         moved = problem.of_record(record).track(at.hypothesis, at.x, at.states)
         by_errors[..., column] = problem.standardised((moved - base) / options().errors_step)
     by_errors = np.where(np.isfinite(by_errors), by_errors, 0.0)  # of a boat that diverges
-    by_x = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
+    by_x = parameter_jacobian(problem, at.hypothesis, at.x, at.states, base)
     slopes = np.concatenate([by_x, by_errors], axis=2)
     return normal_equations(at.states_jacobian, slopes, at.residual), slopes
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.windows import window_data
 from swamp_rl.criticism.likelihood.cross_validation import folds_of
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian, state_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import (
@@ -184,8 +185,8 @@ def _competitor(
     base = problem.track(hypothesis, x, states)
     by_state = at.states_jacobian
     if not np.array_equal(states, at.states):
-        by_state = problem.state_jacobian(hypothesis, x, states, base)
-    by_x = problem.parameter_jacobian(hypothesis, x, states, base)
+        by_state = state_jacobian(problem, hypothesis, x, states, base)
+    by_x = parameter_jacobian(problem, hypothesis, x, states, base)
     residual = problem.residuals(base)
     columns = np.concatenate([by_x, residual[..., None] + noise], axis=2)
     normal, size = normal_equations(by_state, columns, np.zeros_like(residual)), hypothesis.size

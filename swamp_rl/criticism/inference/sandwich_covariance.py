@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 from swamp_rl.constants import Z95
 from swamp_rl.criticism.inference.boat_errors import boat_file_covariance
 from swamp_rl.criticism.likelihood.cross_validation import folds_of, numbers_without
-from swamp_rl.criticism.likelihood.multiple_shooting import Shooting, moved_together
+from swamp_rl.criticism.likelihood.finite_differences import moved_together, parameter_jacobian
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
 from swamp_rl.criticism.nuisance.switching_times import share_slopes, unknown_instants
 from swamp_rl.criticism.options import options
@@ -122,7 +123,7 @@ def _project_instants_out(problem: Shooting, at: Fit, slopes: Array) -> Array:
 def sensitivities(problem: Shooting, at: Fit) -> Array:
     """(W M, p) sensitivities of the predictions to the parameters, initial states projected out."""
     base = problem.track(at.hypothesis, at.x, at.states)
-    slopes = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
+    slopes = parameter_jacobian(problem, at.hypothesis, at.x, at.states, base)
     transposed = np.swapaxes(at.states_jacobian, 1, 2)
     A = at.normal.states_information
     off = slopes - at.states_jacobian @ np.linalg.solve(A, transposed @ slopes)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.angles import within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.data.windows import Windows
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian, state_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse
@@ -201,8 +202,8 @@ def _problem(question: Question, commands: Array) -> Shooting:
 def _response(problem: Shooting, one: Explanation, states: Array, seen: NDArray[np.bool_]) -> _Response:
     """From the states (V, 6) at the windows' starts; what is not `seen` (V, T) has no derivative."""
     base = problem.track(one.hypothesis, one.x, states)
-    by_state = problem.state_jacobian(one.hypothesis, one.x, states, base)
-    by_x = problem.parameter_jacobian(one.hypothesis, one.x, states, base)
+    by_state = state_jacobian(problem, one.hypothesis, one.x, states, base)
+    by_x = parameter_jacobian(problem, one.hypothesis, one.x, states, base)
     channels = np.repeat(seen, base.shape[2], axis=1) & np.isfinite(by_state).all(axis=2)
     return _Response(base, by_state * channels[..., None], by_x * channels[..., None], channels)
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.likelihood.finite_differences import state_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.simulator.substeps import substeps_of
@@ -25,7 +26,7 @@ def discretisation_errors(run_set: RunSet, weight: Array) -> Array:
     problem, nothing, x = Shooting(run_set, weight, math.inf), Hypothesis(), np.zeros(0)
     states, finer = problem.initial_states(), problem.substeps
     fine = problem.track(nothing, x, states)
-    by_state = problem.state_jacobian(nothing, x, states, fine)
+    by_state = state_jacobian(problem, nothing, x, states, fine)
     problem.substeps = substeps_of(run_set.dt, run_set.boat)
     if problem.substeps == finer:
         return np.zeros(len(CHANNELS))

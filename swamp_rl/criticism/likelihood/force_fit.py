@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.likelihood.finite_differences import state_jacobian
 from swamp_rl.criticism.likelihood.force_sensitivity import (
     AXES,
     ForceGrid,
@@ -65,7 +66,7 @@ def fit_forces(
         if moved.any():
             part, where = chosen_windows(problem, moved), (hypothesis, x, states[moved])
             acceleration = force[moved] / grid.inertia
-            by_state[moved] = part.state_jacobian(*where, track[moved], acceleration, grid.block)
+            by_state[moved] = state_jacobian(part, *where, track[moved], acceleration, grid.block)
             by_force[moved] = force_jacobian(part, *where, grid, (0, 1, 2), force[moved])
         normal = normal_equations(by_state, by_force, residual, damping[:, None] / state_reach(problem))
         H = normal.information + prior

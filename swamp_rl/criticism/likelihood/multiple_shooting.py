@@ -15,11 +15,10 @@ from swamp_rl.criticism.data.windows import Windows, cut
 from swamp_rl.criticism.likelihood.gauss_markov import kalman_filter
 from swamp_rl.criticism.likelihood.initial_states import smoothed_states
 from swamp_rl.criticism.model.actuator_history import actuator_states
-from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
+from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.rollout import roll
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.threads import divided
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.sensors import is_altered, observe, rows_ahead, sensors_of
 from swamp_rl.simulator.state import TIME
@@ -28,17 +27,6 @@ from swamp_rl.simulator.substeps import substeps_of
 Array = NDArray[np.float64]
 
 NO_ACCELERATION = np.zeros((0, 1, 3))
-
-
-def moved_together(hypothesis: Hypothesis) -> list[tuple[NDArray[np.int64], EffectInstance]]:
-    """Columns of x that one simulation moves, the same parameter of all groups, and their effect."""
-    found: list[tuple[NDArray[np.int64], EffectInstance]] = []
-    start = 0
-    for own in hypothesis.instances:
-        columns = np.arange(start, start + own.size).reshape(own.count, -1)
-        found += [(column, own) for column in columns.T]
-        start += own.size
-    return found
 
 
 class Shooting:
@@ -67,6 +55,7 @@ class Shooting:
         self.windows = windows or self._with_start_prior(cut(run_set, weight, seconds, before))
         finer = 1.0 if math.isfinite(seconds) else options().substep_of_runs
         self.substeps = substeps_of(run_set.dt / finer, run_set.boat)
+        self.jacobian_substeps = substeps_of(run_set.dt, run_set.boat)  # the simulator's
         process = run_set.gauss_markov
         self.filter = None if process is None else kalman_filter(self.windows, process, run_set.dt)
         self.last = int(self.windows.first.max()) + 1
@@ -120,33 +109,30 @@ class Shooting:
         run, most = np.repeat(win.run, count), self.run_set.commands.shape[1] - 1
         first = np.minimum(win.first[:, None] + behind, most).reshape(-1)
         steps = np.clip(win.steps[:, None] + ahead - behind, 0, rows).reshape(-1)
-        made, unmeasured = copy(self), np.zeros((len(run), rows + 1, 6))
-        made.windows = Windows(run, first, steps, unmeasured, unmeasured, 0, rows + 1)
-        made.filter, made.tracks, made.scores, made.histories = None, None, [], {}
-        made.last = int(first.max()) + 1
-        made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
-        return made
+        unmeasured = np.zeros((len(run), rows + 1, 6))
+        windows = Windows(run, first, steps, unmeasured, unmeasured, 0, rows + 1)
+        return self._simulated_anew(windows=windows, filter=None, tracks=None)
 
     def integrated_in(self, substeps: int) -> "Shooting":
         """The same windows, integrated in so many steps from row to row."""
         made = copy(self)
-        made.substeps, made.last_slopes, made.scores = substeps, [], []
+        made.substeps, made.jacobian_substeps, made.last_slopes, made.scores = substeps, substeps, [], []
         made.tracks = None if self.tracks is None else {}
         return made
 
     def with_commands(self, run_set: RunSet) -> "Shooting":
         """The same windows with the commands of other runs."""
-        return self._simulated_anew(run_set, self.record)
+        return self._simulated_anew(run_set=run_set)
 
     def of_record(self, record: NDArray[Any]) -> "Shooting":
         """The same windows with the parameter record (1,) of another boat file."""
-        return self._simulated_anew(self.run_set, record)
+        return self._simulated_anew(record=record)
 
-    def _simulated_anew(self, run_set: RunSet, record: NDArray[Any]) -> "Shooting":
+    def _simulated_anew(self, **changed: Any) -> "Shooting":
         made = copy(self)
-        made.run_set, made.record = run_set, record
-        made.tracks, made.histories, made.last_records, made.last_slopes = {}, {}, [], []
-        made.scores = []
+        kept: dict[str, Any] = {"tracks": {}, "histories": {}, "scores": []}
+        vars(made).update(kept | {"last_records": [], "last_slopes": []} | changed)
+        made.last = int(made.windows.first.max()) + 1
         made.plain_actuators = made.actuators(Hypothesis(), np.zeros((1, 0)))[0]
         return made
 
@@ -304,90 +290,6 @@ class Shooting:
         if self.filter is not None:
             standardised = self.filter.whitened(standardised)
         return standardised.reshape(*standardised.shape[:-2], -1)
-
-    def state_jacobian(
-        self,
-        hypothesis: Hypothesis,
-        x: Array,
-        states: Array,
-        base: Array,
-        acceleration: Array = NO_ACCELERATION,
-        block: int = 1,
-    ) -> Array:
-        """(W, M, 6) derivative of the standardised prediction by the initial states; by positions
-        analytically. acceleration: (W or 0, B, 3). Without one, those of the last numbers are kept: a fit
-        asks again for windows whose initial state has not moved.
-        """
-        if len(acceleration):
-            return self._state_slopes(hypothesis, x, states, base, acceleration, block)
-        key = x.tobytes()
-        if not (self.last_slopes and self.last_slopes[0] is hypothesis and self.last_slopes[1] == key):
-            self.last_slopes[:] = [hypothesis, key, {}]
-        known: dict[tuple[int, int, bytes], Array] = self.last_slopes[2]
-        win = self.windows
-        starts = [row.tobytes() for row in np.ascontiguousarray(states)]
-        keys = list(zip(win.run.tolist(), win.first.tolist(), starts, strict=True))
-        new = np.array([one not in known for one in keys], dtype=bool)
-        if new.any():
-            part = self if new.all() else self.part(new)
-            made = part._state_slopes(hypothesis, x, states[new], base[new], acceleration, block)
-            known.update(zip((keys[w] for w in np.flatnonzero(new)), made, strict=True))
-            if new.all():
-                return made
-        return np.stack([known[one] for one in keys])
-
-    def _state_slopes(
-        self, hypothesis: Hypothesis, x: Array, states: Array, base: Array, acceleration: Array, block: int
-    ) -> Array:
-        moved, step = np.repeat(states[None], 4, axis=0), np.array(options().state_step) * self.scale
-        for i, column in enumerate((2, 3, 4, 5)):
-            moved[i, :, column] += step[column]
-        four = np.repeat(x[None], 4, axis=0)
-        prediction = self.predict(hypothesis, four, moved, np.tile(acceleration, (4, 1, 1)), block)
-        change = np.zeros((6, *base.shape))
-        change[0, ..., 0] = 1.0
-        change[1, ..., 1] = 1.0
-        for i, column in enumerate((2, 3, 4, 5)):
-            change[column] = (prediction[i] - base) / step[column]
-        return np.ascontiguousarray(np.moveaxis(self.standardised(change), 0, -1))
-
-    def parameter_jacobian(
-        self,
-        hypothesis: Hypothesis,
-        x: Array,
-        states: Array,
-        base: Array,
-        chosen: NDArray[np.bool_] | None = None,
-        acceleration: Array = NO_ACCELERATION,
-        block: int = 1,
-    ) -> Array:
-        """(W, M, p) derivative of the standardised prediction by x, one-sided differences within the bounds;
-        chosen: (p,) the columns that are wanted. A parameter that differs between groups of runs is moved in
-        all groups at once, since each window is of one group. acceleration: (W or 0, B, 3).
-        """
-        size = hypothesis.size
-        wanted = np.arange(size) if chosen is None else np.flatnonzero(chosen)
-        slopes = np.zeros((self.windows.count, base[0].size, len(wanted)))
-        moves = [(columns, own) for columns, own in moved_together(hypothesis) if columns[0] in wanted]
-        if not moves:
-            return slopes
-        step = np.array([s.difference for s in hypothesis.specs])
-        step = np.where(x + step > hypothesis.bounds()[1], -step, step)
-        moved = np.repeat(x[None], len(moves), axis=0)
-        for row, (columns, _) in zip(moved, moves, strict=True):
-            row[columns] += step[columns]
-        same = np.repeat(states[None], len(moves), axis=0), np.tile(acceleration, (len(moves), 1, 1))
-        prediction = self.predict(hypothesis, moved, *same, block)
-        origins = self.run_set.origins[self.windows.run]
-
-        def part(chosen: slice) -> None:
-            for one, (columns, own) in zip(prediction[chosen], moves[chosen], strict=True):
-                mine = columns[np.array(own.groups)[origins]] if own.groups else columns[0]
-                slope = self.standardised((one - base) / np.reshape(step[mine], (-1, 1, 1)))
-                slopes[np.arange(len(slopes)), :, np.searchsorted(wanted, mine)] = slope
-
-        divided(part, len(moves), slopes.size // options().slope_share)
-        return slopes
 
     def initial_states(self, windows: Windows | None = None) -> Array:
         """(W, 6) states at the starts, smoothed from the measurements about them."""

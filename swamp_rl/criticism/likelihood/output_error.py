@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian, state_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import Jacobians, Normal, normal_equations
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
@@ -108,7 +109,7 @@ def fit_states(
     active = moved = np.ones(count, dtype=bool)
     for _ in range(rounds):
         if moved.any():
-            slopes = chosen_windows(problem, moved).state_jacobian(hypothesis, x, states[moved], base[moved])
+            slopes = state_jacobian(chosen_windows(problem, moved), hypothesis, x, states[moved], base[moved])
             transposed = np.swapaxes(slopes, 1, 2)
             A[moved], b[moved] = transposed @ slopes, (transposed @ residual[moved, :, None])[..., 0]
         step = np.linalg.solve(_ridged(A, damping), b[..., None])[..., 0]
@@ -229,7 +230,7 @@ def fit(
     x, states = np.array(x, dtype=float), np.array(states, dtype=float)
     base = problem.track(hypothesis, x, states)
     at = Iterate(x, states, base, problem.residuals(base), prior_penalty(hypothesis, x))
-    by_state = problem.state_jacobian(hypothesis, x, states, base)
+    by_state = state_jacobian(problem, hypothesis, x, states, base)
     refitted = _with_states_refitted(problem, hypothesis, at, by_state, options().window_increase)
     at = refitted or at
     slopes, start, used = jacobians_at(problem, hypothesis, at, None if refitted else by_state), 0, 1
@@ -267,8 +268,8 @@ def jacobians_at(
 ) -> Jacobians:
     """The Jacobians there; by_state: the one by states (W, M, 6), where known."""
     if by_state is None:
-        by_state = problem.state_jacobian(hypothesis, at.x, at.states, at.base)
-    return Jacobians(by_state, problem.parameter_jacobian(hypothesis, at.x, at.states, at.base))
+        by_state = state_jacobian(problem, hypothesis, at.x, at.states, at.base)
+    return Jacobians(by_state, parameter_jacobian(problem, hypothesis, at.x, at.states, at.base))
 
 
 def _step(

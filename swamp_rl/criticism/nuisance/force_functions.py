@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.angles import turned, within_half_turn
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian, state_jacobian
 from swamp_rl.criticism.likelihood.force_fit import fit_forces
 from swamp_rl.criticism.likelihood.force_sensitivity import (
     AXES,
@@ -85,12 +86,12 @@ def force_likelihood(
     fine = ForceGrid(block, finer * coarse.count, coarse.inertia)
     force = np.repeat(found.force, finer, axis=1)
     acceleration = force / fine.inertia
-    by_state = problem.state_jacobian(hypothesis, x, found.states, found.track, acceleration, block)
+    by_state = state_jacobian(problem, hypothesis, x, found.states, found.track, acceleration, block)
     residual = problem.residuals(found.track)
     where = problem, hypothesis, x, found.states
     beside = None
     if steps:
-        beside = problem.parameter_jacobian(*where[1:], found.track, None, acceleration, block)
+        beside = parameter_jacobian(problem, *where[1:], found.track, None, acceleration, block)
     normal = force_normal_equations(*where, fine, (0, 1, 2), by_state, residual, force, beside)
     size = hypothesis.size if steps else 0
     f = np.concatenate([np.zeros((len(force), size)), force.reshape(len(force), -1)], axis=1)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step
@@ -44,7 +45,7 @@ def share_equations(
     """
     found = []
     base = problem.track(at.hypothesis, at.x, at.states)
-    by_x = problem.parameter_jacobian(at.hypothesis, at.x, at.states, base)
+    by_x = parameter_jacobian(problem, at.hypothesis, at.x, at.states, base)
     for window, rows, slopes in share_slopes(problem, at, change, shares):
         run, n = int(problem.windows.run[window]), len(rows)
         both = np.concatenate([slopes, by_x[window]], axis=1)[None]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import Instants, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, fit, min_decrease
@@ -221,7 +222,7 @@ def _share_step(
     where = at.hypothesis, at.x, at.states
     base = here.track(*where)
     by_share = here.standardised((there.track(*where) - base) / by)
-    slopes = np.concatenate([here.parameter_jacobian(*where, base), by_share[..., None]], axis=2)
+    slopes = np.concatenate([parameter_jacobian(here, *where, base), by_share[..., None]], axis=2)
     normal, size = normal_equations(at.states_jacobian, slopes, at.residual), at.hypothesis.size
     H, g = normal.information.sum(axis=0), normal.gradient.sum(axis=0)
     H[:size, :size] += at.hypothesis.prior_precision

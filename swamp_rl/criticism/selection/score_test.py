@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, fit_states, inverse
@@ -43,7 +44,7 @@ def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance])
     own = {instance.label for instance in at.hypothesis.instances}
     instances = [one for one in instances if one.label not in own and at.hypothesis.is_beside(one)]
     base, where = _base_of(problem, at), (at.hypothesis, at.x, at.states)
-    by_x = base.once("by x", lambda: problem.parameter_jacobian(*where, problem.track(*where)))
+    by_x = base.once("by x", lambda: parameter_jacobian(problem, *where, problem.track(*where)))
     added = [_Added(base, instance, by_x) for instance in instances]
     return sorted(map(_score_test, added), key=lambda one: one.expected_chi2)
 
@@ -262,7 +263,7 @@ def _stepped(added: _Added, start: Array) -> ScoreTest:
         states, _, residual = fit_states(problem, hypothesis, x, states, options().score_rounds)
     slopes = np.zeros((*residual.shape, len(place)))
     slopes[..., ~place] = added.by_x
-    slopes[..., place] = problem.parameter_jacobian(hypothesis, x, states, base, place)
+    slopes[..., place] = parameter_jacobian(problem, hypothesis, x, states, base, place)
     normal = normal_equations(at.states_jacobian, slopes, residual)
     mean, precision = hypothesis.prior()
     H = normal.information.sum(axis=0) + np.diag(precision)
