@@ -204,7 +204,9 @@ def examine(
         separating_trial=separating_manoeuvre(with_noise, sigmas, found.winner, found.rivals),
         leftover=leftover,
         extension=extended,
-        next_steps=next_steps(run_set.boat, leftover, extended, lacks) if verdict == "unexplained" else [],
+        next_steps=next_steps(run_set.boat, leftover, extended, lacks, run_set.wind)
+        if verdict == "unexplained"
+        else [],
         candidates=_candidates(continuation, found, rng),
         hypotheses=sum(bool(one.hypothesis.instances) for one in found.tried),
         discrete=[one.hypothesis.label for one in found.tried if not one.hypothesis.size],

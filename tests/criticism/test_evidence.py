@@ -9,7 +9,7 @@ import yaml
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.criticism.inference.cause_share import (
     CauseList,
@@ -201,6 +201,9 @@ def test_a_measured_wind_is_an_input_and_no_cause(windy: Path, tmp_path: Path) -
     found = diagnose(windy, "swamp", tmp_path / "out")
     assert found.verdict == "nothing_wrong"
     assert not (tmp_path / "out" / "conditions.yaml").exists()
+    boat = load_boat("swamp")
+    runs = (read_run_set(windy, boat, "swamp", ignore) for ignore in ([], ["wind"]))
+    assert [one.wind for one in runs] == ["measured", "ignored"]
 
 
 @pytest.mark.slow

@@ -49,6 +49,13 @@ def test_the_variable_of_the_missing_force_says_what_to_record(
     assert step.startswith(f"the missing force depends on {variable}, which suggests ") and advice in step
 
 
+def test_a_wind_that_was_measured_is_not_asked_for_again() -> None:
+    (used,) = next_steps(FITTED, left("heading"), None, [], "measured")
+    assert "record the wind" not in used and "beside the measured wind" in used
+    (ignored,) = next_steps(FITTED, left("heading"), None, [], "ignored")
+    assert "record the wind" not in ignored and "without --ignore wind" in ignored
+
+
 def test_without_a_variable_repeated_manoeuvres_tell_the_boat_from_the_weather() -> None:
     (step, lack) = next_steps(FITTED, [], None, ["a second speed"])
     assert "record each manoeuvre twice" in step and "what these runs lack" in lack

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ from swamp_rl.simulator.substeps import substeps_of
 from swamp_rl.simulator.weather import DEPTH, FIELDS, FROM, SPEED, measured_weather
 
 Array = NDArray[np.float64]
+Wind = Literal["measured", "ignored", "unknown"]
 
 CHANNELS = ("north", "east", "heading", "surge", "sway", "yaw_rate")
 POSITIONS = slice(0, 2)
@@ -182,6 +184,13 @@ class RunSet:
         """The runs with their measured wind, where it was left out and every run has it."""
         winds = self.ignored[..., [SPEED, FROM]]
         return replace(self, weather=self.ignored) if winds.size and np.isfinite(winds).all() else None
+
+    @property
+    def wind(self) -> Wind:
+        """Whether every run has its measured wind, and the diagnosis takes it."""
+        if FIELDS[SPEED] in self.measured_fields:
+            return "measured"
+        return "ignored" if self.in_ignored_wind else "unknown"
 
     @property
     def measured_fields(self) -> frozenset[str]:

@@ -3,14 +3,21 @@
 from collections.abc import Sequence
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.data.run_set import Wind
 from swamp_rl.criticism.result import Extension, ResidualForce
 
 EARTH = "heading", "position north", "position east", "time"
 HULL = "speed", "surge", "sway", "yaw rate"
-ACTION = (
-    "something fixed to the earth or in time, such as wind, current, waves or a line: record the wind "
-    "(columns wind_speed and wind_from), and the same manoeuvre again elsewhere and at another time"
-)
+OF_EARTH = "something fixed to the earth or in time"
+AGAIN = "the same manoeuvre again elsewhere and at another time"
+ACTION: dict[Wind, str] = {
+    "unknown": f"{OF_EARTH}, such as wind, current, waves or a line: record the wind (columns wind_speed "
+    f"and wind_from), and {AGAIN}",
+    "ignored": f"{OF_EARTH}, such as wind, current, waves or a line: diagnose with the measured wind, "
+    f"without --ignore wind, and record {AGAIN}",
+    "measured": f"{OF_EARTH} beside the measured wind, such as its coefficients in the boat file, current, "
+    f"waves or a line: record {AGAIN}",
+}
 RESISTANCE = (
     "the hull: record straight runs at several speeds, coasting without thrust, and circles of two sizes to "
     "either side"
@@ -22,11 +29,15 @@ THRUST = (
 
 
 def next_steps(
-    boat: Boat, leftover: Sequence[ResidualForce], extension: Extension | None, missing_motion: Sequence[str]
+    boat: Boat,
+    leftover: Sequence[ResidualForce],
+    extension: Extension | None,
+    missing_motion: Sequence[str],
+    wind: Wind = "unknown",
 ) -> list[str]:
     """Of an unexplained model error, what helps most first.
 
-    leftover, extension: of the diagnosis; missing_motion: what the runs lack.
+    leftover, extension: of the diagnosis; missing_motion: what the runs lack; wind: of the runs.
     """
     steps = []
     if not any(one.provenance == "fitted" for one in boat.provenance.values()):
@@ -37,7 +48,7 @@ def next_steps(
         )
     origins: dict[str, list[str]] = {}
     for force, variable in _dependences(leftover, extension):
-        origins.setdefault(_origin(force, variable), []).append(variable)
+        origins.setdefault(_origin(force, variable, wind), []).append(variable)
     for origin, variables in origins.items():
         names = " and ".join(dict.fromkeys(variables))
         steps.append(f"the missing force depends on {names}, which suggests {origin}")
@@ -62,8 +73,8 @@ def _dependences(leftover: Sequence[ResidualForce], extension: Extension | None)
     return [(one.force, one.variable) for one in leftover[:1]]
 
 
-def _origin(force: str, variable: str) -> str:
+def _origin(force: str, variable: str, wind: Wind) -> str:
     """What a force comes from, by the variable that it depends on."""
     if variable in EARTH:
-        return ACTION
+        return ACTION[wind]
     return RESISTANCE if variable in HULL and not force.startswith("thrust") else THRUST
