@@ -87,7 +87,7 @@ def departures(equations: Sequence[ShareEquations], shares: Array, mean: float) 
 
 
 def promised_gain(equations: Sequence[ShareEquations]) -> float:
-    """Fall of chi2 and of the prior's share of it by a Gauss-Newton step in the shares alone."""
+    """Fall of chi2, the shares' own under their prior included, by a Gauss-Newton step in them alone."""
     return float(sum(one.gradient @ np.linalg.solve(one.information, one.gradient) for one in equations))
 
 

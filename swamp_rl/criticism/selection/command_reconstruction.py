@@ -200,7 +200,7 @@ def fit_common_share(problem: Shooting, at: Fit, logged: RunSet) -> tuple[float,
     share, made = 0.0, at if logged.commands is problem.run_set.commands else _refit(problem, logged, at)
     for _ in range(options().common_share_rounds):
         moved, x, states, promised = _share_step(problem, made, logged, share)
-        if promised < min_decrease(problem, made.chi2):
+        if not promised >= min_decrease(problem, made.chi2):  # or a simulation diverged
             break
         there = _problem(problem, interpolated(logged, moved))
         again = fit(there, made.hypothesis, x, states, options().again_steps)

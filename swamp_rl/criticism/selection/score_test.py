@@ -218,8 +218,7 @@ def _best_grid_point(added: _Added) -> tuple[float, ...]:
     """The grid point of least profile chi2, of each group where an effect differs between groups."""
     problem, at, instance = added.base.problem, added.base.at, added.instance
     points, groups = np.array(instance.grid), np.array(instance.groups)
-    by_x = added.by_x
-    slopes = by_x[..., :0] if instance.groups else by_x
+    slopes = added.by_x[..., :0] if instance.groups else added.by_x
     group = groups[problem.run_set.origins[problem.windows.run]] if instance.groups else None
     losses = []
     for start in range(0, len(points), options().grid_batch):
