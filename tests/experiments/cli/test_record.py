@@ -179,7 +179,7 @@ def test_a_page_drives_a_served_vehicle_and_neither_its_end_nor_the_vehicles_goe
                 (0, f"{folder}: 1 run{more}\n") for more in ("", unfinished)
             ]  # before its first row, or after
             assert stopped(process, signal.SIGINT) in ends
-        assert not any(module.runs(0) for module in vehicle.modules)
+        until(lambda: not any(module.runs(0) for module in vehicle.modules), "the vehicle's pumps are off")
     dataset = read_dataset(folder)
     assert dataset.meta.source == "scripted" and vehicle.addresses.text in str(dataset.meta.notes)
     assert dataset.runs[0].meta.model_dump()["link"] == vehicle.addresses.text
