@@ -28,8 +28,8 @@ def test_jacobians_of_whole_runs_are_those_of_their_finer_steps_with_less_simula
     made = []
     for one in (problem, finer):
         base, before = one.track(*where), one.boat_steps[0]
-        made.append((state_jacobian(one, *where, base), parameter_jacobian(one, *where, base)))
-        made[-1] += (one.boat_steps[0] - before,)
+        slopes = state_jacobian(one, *where, base), parameter_jacobian(one, *where, base)
+        made.append((*slopes, one.boat_steps[0] - before))
     (by_state, by_x, steps), (state_of_finer, x_of_finer, steps_of_finer) = made
     assert np.linalg.norm(by_state - state_of_finer) < 2e-3 * np.linalg.norm(state_of_finer)
     assert np.linalg.norm(by_x - x_of_finer) < 2e-3 * np.linalg.norm(x_of_finer)

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood import multiple_shooting
-from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model import rollout
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.selection.continuation import continuation_of
@@ -44,12 +46,17 @@ def test_a_swap_is_scored_from_the_measured_states_where_those_of_the_fit_diverg
     assert score.expected_chi2 < 2.0 * problem.samples
 
 
+def boat_file_alone() -> tuple[RunSet, Shooting, Fit]:
+    """Runs of a boat with no effect, their shortest windows, and the fit of the boat file to these."""
+    runs = simulated_runs([])
+    problem = continuation_of(runs, weights(runs, noise_levels(runs))).problems[0]
+    return runs, problem, fit(problem, Hypothesis(), np.zeros(0), problem.initial_states())
+
+
 def test_score_tests_that_are_asked_for_again_are_not_simulated_again_and_count_as_before(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    runs = simulated_runs([])
-    problem = continuation_of(runs, weights(runs, noise_levels(runs))).problems[0]
-    at = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states())
+    runs, problem, at = boat_file_alone()
     every = candidates(runs.boat, SECONDS)
     before = problem.boat_steps[0]
     first = score_tests(problem, at, every)
@@ -75,9 +82,7 @@ def test_score_tests_that_are_asked_for_again_are_not_simulated_again_and_count_
 def test_score_tests_of_other_starts_and_fewer_effects_simulate_nothing_that_was_simulated_before(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    runs = simulated_runs([])
-    problem = continuation_of(runs, weights(runs, noise_levels(runs))).problems[0]
-    at = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states())
+    runs, problem, at = boat_file_alone()
     every = [one for one in candidates(runs.boat, SECONDS) if one.size and one.effect.begin == "score"]
     anew = replace(at)
     before = problem.boat_steps[0]

@@ -9,7 +9,6 @@ from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.likelihood.finite_differences import state_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.model.candidates import Hypothesis
-from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
 
@@ -24,13 +23,12 @@ def discretisation_errors(run_set: RunSet, weight: Array) -> Array:
     and O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63, 2001). weight: (R, T, 6).
     """
     problem, nothing, x = Shooting(run_set, weight, math.inf), Hypothesis(), np.zeros(0)
-    states, finer = problem.initial_states(), problem.substeps
+    if problem.substeps == problem.jacobian_substeps:
+        return np.zeros(len(CHANNELS))
+    states, coarse = problem.initial_states(), problem.integrated_in(problem.jacobian_substeps)
     fine = problem.track(nothing, x, states)
     by_state = state_jacobian(problem, nothing, x, states, fine)
-    problem.substeps = substeps_of(run_set.dt, run_set.boat)
-    if problem.substeps == finer:
-        return np.zeros(len(CHANNELS))
-    change = problem.standardised(fine - problem.track(nothing, x, states))  # no residuals: these wrap round
+    change = problem.standardised(fine - coarse.track(nothing, x, states))  # no residuals: these wrap round
     power = np.zeros(len(CHANNELS))
     for own, slopes in zip(change, by_state, strict=True):
         if np.isfinite(own).all() and np.isfinite(slopes).all():

@@ -1,7 +1,5 @@
 """Jacobians of the standardised prediction of windows, by finite differences of simulations."""
 
-from copy import copy
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -134,8 +132,7 @@ def _moved_from(
     if problem.substeps <= problem.jacobian_substeps:
         forces = np.tile(acceleration, (len(moved), 1, 1))
         return problem.predict(hypothesis, moved, begun, forces, block), base
-    coarse = copy(problem)
-    coarse.substeps = problem.jacobian_substeps
+    coarse = problem.integrated_in(problem.jacobian_substeps)
     moved, begun = np.concatenate([x[None], moved]), np.concatenate([states[None], begun])
     every = coarse.predict(hypothesis, moved, begun, np.tile(acceleration, (len(moved), 1, 1)), block)
     return every[1:], every[0]

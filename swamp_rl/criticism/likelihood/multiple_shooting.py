@@ -117,7 +117,6 @@ class Shooting:
         """The same windows, integrated in so many steps from row to row."""
         made = copy(self)
         made.substeps, made.jacobian_substeps, made.last_slopes, made.scores = substeps, substeps, [], []
-        made.tracks = None if self.tracks is None else {}
         return made
 
     def with_commands(self, run_set: RunSet) -> "Shooting":
