@@ -18,8 +18,8 @@ from swamp_rl.criticism.selection.backward_elimination import (
     nested,
     with_special_cases,
 )
-from swamp_rl.criticism.selection.continuation import continuation_of
-from tests.support.criticism import DT, SECONDS, SIGMA, driven, simulated_runs
+from swamp_rl.criticism.selection.continuation import LAST, continuation_of
+from tests.support.criticism import DT, SECONDS, SIGMA, commands, driven, simulated_runs
 
 pytestmark = [pytest.mark.slow, pytest.mark.numerical]
 
@@ -35,14 +35,14 @@ def rounded(runs: RunSet, step: float) -> RunSet:
     return replace(runs, commands=commands)
 
 
-def named(runs: RunSet, rivals: bool = False) -> list[str]:
-    """Labels of the effects, of a selection of an efficiency curve."""
+def named(runs: RunSet, rivals: bool = False, stage: int = MIDDLE) -> list[str]:
+    """Labels of the effects, of a selection of an efficiency curve at a stage."""
     weight = weights(runs, noise_levels(runs))
     continuation = continuation_of(runs, weight)
     every = candidates(runs.boat, SECONDS)
     hypothesis = Hypothesis((by_label(every)["thruster_efficiency_curve bs"],))
-    winner = continuation.fit(MIDDLE, hypothesis, np.array([0.7, 0.7, 0.7]))
-    found = Selection(winner, True, MIDDLE, [winner] if rivals else [], [], [], [])
+    winner = continuation.at(stage, fit_by_continuation(continuation, hypothesis, np.array([0.7, 0.7, 0.7])))
+    found = Selection(winner, True, stage, [winner] if rivals else [], [], [], [])
     on = Witness(runs, weight, others=False)
     noise = dict(zip(CHANNELS, SIGMA.tolist(), strict=True))
     given = continuation, found, every, on, noise, np.random.default_rng(0)
@@ -54,6 +54,12 @@ def test_an_even_efficiency_is_a_gain_although_rounded_commands_bend_it(seed: in
     runs = rounded(simulated_runs([GAIN], seed), 0.05)
     assert named(runs) == ["thruster_gain bs"]
     assert named(runs, rivals=True) == ["thruster_efficiency_curve bs"]
+
+
+def test_a_curve_that_whole_runs_clearly_show_is_no_gain_although_it_predicts_no_better_by_chance() -> None:
+    long = np.tile([commands(run) for run in range(3)], (1, 4, 1))
+    bent = {**CURVE, "at_30": 0.995, "at_60": 1.005, "at_100": 0.995}
+    assert named(driven([bent], long, 1.0, seed=0), stage=LAST) == ["thruster_efficiency_curve bs"]
 
 
 def test_a_special_case_that_is_already_there_is_not_there_twice() -> None:

@@ -51,8 +51,8 @@ def _predicts_as_well(
     rng: np.random.Generator,
 ) -> bool:
     """Whether no error of the predictions is larger under a fit than under the winner, at any horizon. If
-    middle windows prefer the fit, so that only the errors that whole runs accumulate favour the winner, an
-    error may be larger by chance where predictions differ by less than the sensor's noise.
+    middle windows prefer the fit and whole runs, which accumulate errors, do not clearly prefer the winner,
+    an error may be larger by chance where predictions differ by less than the sensor's noise.
     """
     shares = []
     for horizon in options().judged_horizons:
@@ -64,5 +64,8 @@ def _predicts_as_well(
         return bool(shares)
     if any(one.ci95[0] > 0.0 for one in larger) or not moves_less_than_noise(larger, noise):
         return False
-    middle = [continuation.criterion(continuation.at(MIDDLE, one)) for one in (plain, found.winner)]
+    criterion, pair = continuation.criterion, (plain, found.winner)
+    if criterion(plain) > criterion(found.winner) + options().clearly:
+        return False
+    middle = [criterion(continuation.at(MIDDLE, one)) for one in pair]
     return middle[0] <= middle[1]
