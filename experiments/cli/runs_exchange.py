@@ -197,9 +197,29 @@ def _tell(out: Path, made: "DatasetMeta") -> None:
                 typer.echo(clipped(f"{run.file}: {key.replace('_', ' ')}: {entries[key]}", LONGEST))
         for line in (*entries.get("cells_left_out", ()), *entries.get("rows_left_out", ())):
             typer.echo(clipped(f"{run.file}: {line}", LONGEST))
+    without = _without_commands(out, made)
+    if without:
+        typer.echo(without)
     rows = sum(run.rows or 0 for run in made.runs)
     typer.echo(
         f"{out}: {counted(len(made.runs), 'run')}, {rows} rows at {made.sample_rate:g} Hz, {made.source}"
+    )
+
+
+def _without_commands(out: Path, made: "DatasetMeta") -> str:
+    """A line if the first run, and so all that were imported alike, has no command of the dataset's boat."""
+    from swamp_rl.boat import load_boat
+    from swamp_rl.runs.columns import command_columns
+    from swamp_rl.runs.dataset import own_boat
+    from swamp_rl.runs.table import read_table
+
+    boat, has = load_boat(own_boat(out)), read_table(out / str(made.runs[0].file)).columns
+    commands = command_columns(boat)
+    if any(name in has for name in commands):
+        return ""
+    return (
+        f"{out}: no commands of boat {boat.name} ({', '.join(commands)}): diagnose and identify need them; "
+        f"import with --column {commands[0]}=THEIRS"
     )
 
 

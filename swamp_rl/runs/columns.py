@@ -106,13 +106,14 @@ def _thruster_span(kind: str, name: str, applied: bool, boat: Boat) -> Span:
     return Span("rad", thruster.azimuth_min, thruster.azimuth_max)
 
 
-def _command_columns(boat: Boat) -> list[str]:
+def command_columns(boat: Boat) -> list[str]:
+    """The columns of the commands of a boat's thrusters."""
     return [name for thruster in boat.thrusters for name in thruster.command_columns if name is not None]
 
 
 def missing_columns(columns: list[str], boat: Boat | None) -> list[str]:
     """Columns a run must have and does not: the required, and the rest of a half-recorded set of commands."""
     missing = [name for name in REQUIRED if name not in columns]
-    commands = _command_columns(boat) if boat is not None else []
+    commands = command_columns(boat) if boat is not None else []
     commanded = any(name in columns for name in commands)
     return missing + [name for name in commands if commanded and name not in columns]

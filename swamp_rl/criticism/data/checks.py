@@ -11,6 +11,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
+from swamp_rl.runs.columns import command_columns, span_of
 from swamp_rl.runs.dataset import META, boat_of, read_meta
 from swamp_rl.runs.resample import MOST_BETWEEN
 
@@ -68,12 +69,16 @@ def refuse_jump(run: Run, dt: float, folder: str) -> None:
 
 def refuse_other_boat(run: Run, boat: Boat, folder: str) -> None:
     """UserError where a run's commands are not those of the boat file's thrusters."""
-    commanded = [column for thruster in boat.thrusters for column in thruster.command_columns if column]
+    commanded = command_columns(boat)
     missing = [column for column in commanded if column not in run.columns]
     if missing:
+        other = [repr(name) for name in run.columns if span_of(name, None) is None]
+        known = (
+            f"if one of {', '.join(other)} is it, import with --column {missing[0]}=THEIRS; " if other else ""
+        )
         raise UserError(
             f"{folder}: run {run.name}: column {missing[0]}, by which boat {boat.name} is commanded, is "
-            "missing; give the boat of these runs by --boat, or record the column"
+            f"missing; {known}give the boat of these runs by --boat, or record the column"
         )
     driven = [
         name

@@ -53,7 +53,10 @@ def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called],
     code, message, _ = call(
         "import", log, "--from", "csv", "--out", "day", "--source", "human", *RENAMED, *units
     )
-    assert (code, message) == (0, "day: 1 run, 31 rows at 10 Hz, human\n")
+    without, counted = message.splitlines()
+    assert (code, counted) == (0, "day: 1 run, 31 rows at 10 Hz, human")
+    assert "no commands of boat swamp (azimuth_bs, " in without
+    assert without.endswith("import with --column azimuth_bs=THEIRS")
     run = read_dataset("day").runs[0]
     assert run.columns["north"].tobytes() == circling()["north"].tobytes()
     assert run.columns["surge"][0] == pytest.approx(0.514444, abs=1e-6)
