@@ -43,7 +43,7 @@ from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
-from swamp_rl.criticism.likelihood.prediction_error import gains, trivial_predictors
+from swamp_rl.criticism.likelihood.prediction_error import gains, no_better, trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.model.trial_limits import TrialLimits
@@ -147,6 +147,9 @@ def examine(
     LOG.info("%s, %.1f min: noise and candidates", counted(len(run_set.lengths), "run"), minutes)
     known = prepared(run_set)
     sigmas, weight, every, hull = known.sigmas, known.weight, known.instances, known.hull
+    behind = no_better(trivial_predictors(run_set, weight))
+    if behind:
+        LOG.info("the boat file predicts %s; fit its numbers first: swamp-rl identify boat", behind.words)
     with_noise, continuation, found = select_model(run_set, weight, every, hull)
     run_set = run_set.with_commands_of(with_noise)
     LOG.info("the best hypothesis is %s; adequacy", found.winner.hypothesis.label)

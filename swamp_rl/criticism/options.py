@@ -291,6 +291,7 @@ class Options:
     curve_errors_level: float = 1e-2  # of any false alarm by the ratio tests beside errors of the curves
     # ---- Share of the prediction error
     judged_horizons: tuple[float, ...] = (10.0, 30.0)  # s that causes are judged at
+    trivial_from: float = 5.0  # s, below which all that start from the measured state predict well
     minor: float = 0.02  # of the error without the cause: less is minor, if below the sensor's noise too
     # ---- Estimates
     at_bound: float = 1e-3  # of a parameter's typical size: its distance from a bound that it is at

@@ -10,7 +10,7 @@ import yaml
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
-from swamp_rl.criticism.diagnose import diagnose
+from swamp_rl.criticism.diagnose import diagnose, examine
 from swamp_rl.criticism.inference.cause_share import (
     CauseList,
     Witness,
@@ -20,6 +20,7 @@ from swamp_rl.criticism.inference.cause_share import (
 )
 from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
+from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.report.evidence import predictors_sentence, share_text
 from swamp_rl.criticism.result import Cause, Diagnosis, Gain, Paired, Predictors, Share
 from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation
@@ -102,6 +103,29 @@ def test_to_fit_the_numbers_is_advised_unless_a_cause_mends_the_prediction(
     )
     assert "no better than constant velocity: 17 m against 9 m" in message
     assert ("identify boat" in message) == advised
+
+
+class BegunError(Exception):
+    """The search of a diagnosis has begun."""
+
+
+@pytest.mark.parametrize(
+    ("effects", "said"), [([], False), ([{"effect": "thrust_scale", "scale": 0.0}], True)]
+)
+def test_a_boat_file_that_predicts_no_better_than_a_boat_at_rest_is_said_to_before_the_search(
+    effects: list[dict[str, object]],
+    said: bool,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    def begin(*given: object) -> None:
+        raise BegunError
+
+    monkeypatch.setattr("swamp_rl.criticism.diagnose.select_model", begin)
+    with caplog.at_level("INFO", LOG.name), pytest.raises(BegunError):
+        examine(simulated_runs(effects), None, np.random.default_rng(0))
+    assert ("5 s ahead no better than a boat at rest" in caplog.text) == said
+    assert ("identify boat" in caplog.text) == said
 
 
 def test_a_cause_is_minor_only_below_two_percent_and_below_the_noise() -> None:

@@ -1,7 +1,7 @@
 """Prediction error by horizon under the boat file and under the extended one, on held-out runs."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +23,13 @@ QUANTITIES = {
     "surge_rmse_m_s": [3],
     "sway_rmse_m_s": [4],
     "yaw_rate_rmse_rad_s": [5],
+}
+
+
+TRIVIAL = {
+    "at_rest": "a boat at rest",
+    "constant_velocity": "constant velocity",
+    "no_thrust": "the same boat without thrust",
 }
 
 
@@ -192,6 +199,37 @@ def trivial_predictors(run_set: RunSet, weight: Array) -> list[Predictors]:
             )
         )
     return found
+
+
+@dataclass(frozen=True)
+class NoBetter:
+    """A trivial predictor (its key in TRIVIAL), that a boat file is no better than, and both errors [m] at
+    that horizon.
+    """
+
+    horizon_s: float
+    name: str
+    boat_file: float
+    trivial: float
+
+    @property
+    def words(self) -> str:
+        """What the boat file predicts."""
+        return (
+            f"positions {self.horizon_s:g} s ahead no better than {TRIVIAL[self.name]}: "
+            f"{self.boat_file:.3g} m against {self.trivial:.3g} m"
+        )
+
+
+def no_better(predictors: Sequence[Predictors]) -> NoBetter | None:
+    """At the shortest horizon at which the boat file is no better than a trivial predictor: the best of
+    these."""
+    for one in predictors:
+        errors = {name: float(getattr(one, name)) for name in TRIVIAL}
+        best = min(errors, key=errors.__getitem__)
+        if one.horizon_s >= options().trivial_from and errors[best] <= one.boat_file:
+            return NoBetter(one.horizon_s, best, one.boat_file, errors[best])
+    return None
 
 
 def _at_rest(run: int, start: Restarts) -> Array:

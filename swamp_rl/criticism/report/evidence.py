@@ -2,6 +2,7 @@
 
 import html
 
+from swamp_rl.criticism.likelihood.prediction_error import TRIVIAL, NoBetter, no_better
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.report.figures import SHOWN
 from swamp_rl.criticism.report.words import readable, shown_unit
@@ -9,35 +10,24 @@ from swamp_rl.criticism.result import Cause, Diagnosis, Share
 from swamp_rl.effects import LIBRARY
 from swamp_rl.html_page import minus
 
-TRIVIAL = {
-    "at_rest": "a boat at rest",
-    "constant_velocity": "constant velocity",
-    "no_thrust": "the same boat without thrust",
-}
 PLAIN = ("nothing", "unexplained")  # answers of a self-trial that are no effects
-FROM = 5.0  # s, below which every predictor that starts from the measured state is good
 
 
 def predictors_sentence(found: Diagnosis) -> str:
     """Where the boat file predicts no better than a trivial predictor; empty if it is better everywhere."""
-    for one in found.predictors:
-        errors = {name: float(getattr(one, name)) for name in TRIVIAL}
-        best = min(errors, key=errors.__getitem__)
-        if one.horizon_s >= FROM and errors[best] <= one.boat_file:
-            advice = " Fit its numbers before reading causes: swamp-rl identify boat."
-            if _explained(found, one.horizon_s, errors[best]):
-                advice = " The extended boat predicts better than both."
-            return (
-                f"The boat file predicts positions {one.horizon_s:g} s ahead no better than {TRIVIAL[best]}: "
-                f"{one.boat_file:.3g} m against {errors[best]:.3g} m.{advice}"
-            )
-    return ""
+    behind = no_better(found.predictors)
+    if behind is None:
+        return ""
+    advice = " Fit its numbers before reading causes: swamp-rl identify boat."
+    if _explained(found, behind):
+        advice = " The extended boat predicts better than both."
+    return f"The boat file predicts {behind.words}.{advice}"
 
 
-def _explained(found: Diagnosis, horizon: float, trivial: float) -> bool:
+def _explained(found: Diagnosis, behind: NoBetter) -> bool:
     """Whether the causes alone bring the position error at a horizon below a trivial predictor's."""
-    gains = [one.position_rmse_m for one in found.gain if one.horizon_s == horizon]
-    return found.verdict == "cause" and any(one is not None and one.after < trivial for one in gains)
+    gains = [one.position_rmse_m for one in found.gain if one.horizon_s == behind.horizon_s]
+    return found.verdict == "cause" and any(one is not None and one.after < behind.trivial for one in gains)
 
 
 def predictor_rows(found: Diagnosis) -> list[tuple[str, ...]]:
