@@ -184,7 +184,7 @@ def drawn_boat(number: int, seed: int) -> tuple[str, Boat, FreeBoat, Array, RunS
     rng = np.random.default_rng([seed, number])
     while True:
         kind, boat = start_boat(rng)
-        plain = free_boat(boat, free_numbers(boat), 0)
+        plain = free_boat(boat, free_numbers(boat))
         truth = drawn(plain, rng)
         try:
             return kind, boat, plain, truth, sailed(plain, boat, truth, in_gusts(number), rng)
@@ -201,7 +201,7 @@ def covered(number: int, seed: int) -> tuple[str, Array]:
     """A description of boat `number` and, of each number, how many standard errors it is off."""
     gusty = in_gusts(number)
     kind, boat, plain, truth, runs = drawn_boat(number, seed)
-    hypothesis = free_boat(boat, plain.numbers, RUNS if gusty else 0)
+    hypothesis = free_boat(boat, plain.numbers, RUNS, ("wind",) if gusty else ())
     began = time.process_time()
     made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
     count = len(truth)

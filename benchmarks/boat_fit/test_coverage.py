@@ -26,8 +26,8 @@ def test_gusts_do_not_carry_a_fit_along_the_ridge_of_thrust_and_dead_band() -> N
     _, boat, plain, truth, _ = drawn_boat(25, 7)
     mine = [i for i, number in enumerate(plain.numbers) if number.field in CURVED]
     numbers, truth = tuple(plain.numbers[i] for i in mine), truth[mine]
-    runs = sailed(free_boat(boat, numbers, 0), boat, truth, True, np.random.default_rng(0))
-    hypothesis = free_boat(boat, numbers, RUNS)
+    runs = sailed(free_boat(boat, numbers), boat, truth, True, np.random.default_rng(0))
+    hypothesis = free_boat(boat, numbers, RUNS, ("wind",))
     made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
     errors = np.sqrt(np.diag(made.covariance))[: len(truth)]
     assert np.abs((made.fit.x[: len(truth)] - truth) / errors).max() < 3.0

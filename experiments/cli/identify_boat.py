@@ -11,8 +11,13 @@ from swamp_rl.experiments.cli.options import IgnoreOption
 @identify_app.command("boat")
 def identify_boat(
     dataset: Annotated[Path, typer.Argument(help="A folder of runs.")],
-    boat: Annotated[str, typer.Option("--boat", help="The boat file to start from: a name or a file.")],
     out: Annotated[Path, typer.Option(help="The .yaml file to write; the report goes beside it as .html.")],
+    boat: Annotated[
+        str | None,
+        typer.Option(
+            "--boat", help="The boat file to start from: a name or a file; by default the dataset's."
+        ),
+    ] = None,
     holdout: Annotated[
         Path | None, typer.Option(help="Runs held out to measure the errors; by default every third run.")
     ] = None,
@@ -22,6 +27,9 @@ def identify_boat(
     ignore: IgnoreOption = None,
 ) -> None:
     """Fit a boat file's masses, damping, thrust and lags to runs, under priors, and write the boat file."""
+    from swamp_rl.runs.dataset import own_boat
+
+    boat = boat or str(own_boat(dataset))
     typer.echo(f"identifying {boat} from {dataset}")
     from swamp_rl.experiments.cli.progress import progress
 

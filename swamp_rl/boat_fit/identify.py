@@ -17,6 +17,7 @@ from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
+from swamp_rl.boat_fit.run_current import errors_in_current, run_currents
 from swamp_rl.boat_fit.run_thrust import (
     FEWEST,
     RunThrust,
@@ -41,12 +42,12 @@ from swamp_rl.criticism.result import Predictors
 from swamp_rl.errors import UserError
 from swamp_rl.files import new_files_beside, refuse_existing, yaml_text
 from swamp_rl.one_thread import one_thread
-from swamp_rl.runs.dataset import Dataset, as_on_disk
+from swamp_rl.runs.dataset import Dataset, as_on_disk, own_boat
 
 Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
-SEEN = 3.0  # standard errors of the fit to short windows, from which saturation is seen
+SEEN = 3.0  # standard errors of the fit to short windows, from which saturation or a current is seen
 AT_BOUND = 1e-3  # of the prior width, within which a number is at its bound
 FITS = 3  # at most, each without the runs of another thrust that the one before shows
 
@@ -66,7 +67,7 @@ class _FittedFile:
 @one_thread()
 def identify_boat(
     dataset: Dataset | Path | str,
-    boat: str | Path,
+    boat: str | Path | None,
     out: Path | str,
     holdout: Dataset | Path | str | None = None,
     positions: bool = False,
@@ -76,15 +77,17 @@ def identify_boat(
 
     - `dataset`, `holdout`: datasets or their folders. Errors are measured on `holdout`; without it, on every
       third run.
-    - `boat`: name or file of the boat to start from.
+    - `boat`: name or file of the boat to start from; None for that of the dataset.
     - `positions`: also fit the positions of the thrusters.
     - `ignore`: measured quantities that are not used (`wind`, `depth`).
 
     UserError if the data do not allow a fit, or if `out` exists.
     """
+    own = dataset.boat_file if isinstance(dataset, Dataset) else None
     dataset, out = as_on_disk(dataset), Path(out)
     began = time.perf_counter()
     refuse_to_overwrite(out)
+    boat = boat or own or own_boat(dataset)
     start = load_boat(boat)
     holdout = as_on_disk(holdout) if holdout is not None else None
     if holdout is not None:
@@ -97,6 +100,8 @@ def identify_boat(
         made, others = _fitted_to_alike(data, positions, partial(_written, part, dataset, out.stem))
         here = advanced(data.held_out, made.wiring.advance)
         alike = without(here, others.names)
+        fit = made.fit
+        currents = run_currents(fit.problem.run_set, fit.hypothesis, fit.fit.x, fit.covariance)
         LOG.info("gains of the thrust from the recent past")
         gains, tried = chosen_gains(advanced(data.training, made.wiring.advance), made.boat)
         found = Identification(
@@ -116,6 +121,8 @@ def identify_boat(
             recent_errors(here, made.boat, gains) if gains != "none" else [],
             tried,
             made.level,
+            currents,
+            errors_in_current(alike, made.boat) if currents and len(alike.lengths) else [],
         )
         page.write_text(page_of(found), encoding="utf-8")
     return found
@@ -142,8 +149,8 @@ def _fitted_to_alike(
         rest = _without(data.training, unlike(thrusts))
         left_out = sorted(set(data.training.names) - set(rest.names))
         LOG.info("fitting to all runs but %s", ", ".join(left_out) or "none")
-        wiring, short = short_fitted(rest, begun, positions)
-        made = fitted_boat(rest, wiring, short)
+        wiring, short, flows = short_fitted(rest, begun, positions)
+        made = fitted_boat(rest, wiring, short, flows)
         numbers = numbers_of(made)
         thrusts = thrusts_of(numbers)
         if _without(data.training, unlike(thrusts)).names == rest.names:
@@ -209,21 +216,27 @@ def searched(training: RunSet, positions: bool = False) -> Wiring:
     return search_wiring(training, noise_levels(training), positions)
 
 
-def short_fitted(training: RunSet, wiring: Wiring, positions: bool = False) -> tuple[Wiring, list[Fitted]]:
-    """The wiring with the numbers of the fit to short windows, and these."""
+def short_fitted(
+    training: RunSet, wiring: Wiring, positions: bool = False
+) -> tuple[Wiring, list[Fitted], bool]:
+    """The wiring with the numbers of the fit to short windows, these, and whether a current is seen."""
     numbers = free_numbers(wiring.boat, positions)
-    run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x)
+    run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x, flows=True)
     LOG.info("fitting %d numbers to windows of %.3g s", len(numbers), SHORT)
     made = short_fit(run_set, weight, hypothesis, x)
     found = _estimates(numbers, made.x, made.covariance, made.covariance)
-    return replace(wiring, x=made.x[: len(found)]), found
+    currents = run_currents(run_set, hypothesis, made.x, made.covariance)
+    flows = any(one.speed > SEEN * one.standard_error for one in currents)
+    return replace(wiring, x=made.x[: len(found)]), found, flows
 
 
-def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted]) -> BoatFit:
-    """The fit of a boat's numbers to runs, from those of the fit to short windows that these support."""
+def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted], flows: bool) -> BoatFit:
+    """The fit of a boat's numbers to runs, from those of the fit to short windows that these support; flows:
+    whether each run has a mean current.
+    """
     kept = [i for i, one in enumerate(short) if supported(one)]
     LOG.info("fitting %d numbers to windows of %.3g s", len(kept), window_length(training.boat))
-    return long_fit(*_begun(training, wiring, tuple(short[i].number for i in kept), wiring.x[kept]))
+    return long_fit(*_begun(training, wiring, tuple(short[i].number for i in kept), wiring.x[kept], flows))
 
 
 def supported(one: Fitted) -> bool:
@@ -237,12 +250,14 @@ def supported(one: Fitted) -> bool:
 
 
 def _begun(
-    training: RunSet, wiring: Wiring, numbers: tuple[Number, ...], x: Array
+    training: RunSet, wiring: Wiring, numbers: tuple[Number, ...], x: Array, flows: bool
 ) -> tuple[RunSet, Array, FreeBoat, Array]:
-    """Runs, weights (R, T, 6), hypothesis and x (p,) of the numbers x that a fit begins with."""
+    """Runs, weights (R, T, 6), hypothesis and x (p,) of the numbers x that a fit begins with, with a mean
+    wind of each run unless it was measured, and with a mean current if that flows.
+    """
     run_set = advanced(replace(training, boat=wiring.boat), wiring.advance)
-    windy = "wind_speed" not in run_set.measured_fields
-    hypothesis = free_boat(wiring.boat, numbers, len(run_set.lengths) if windy else 0)
+    weather = ["wind"] * ("wind_speed" not in run_set.measured_fields) + ["current"] * flows
+    hypothesis = free_boat(wiring.boat, numbers, len(run_set.lengths), weather)
     start = hypothesis.start()
     start[: len(numbers)] = x
     return run_set, weights(training, noise_levels(training)), hypothesis, start

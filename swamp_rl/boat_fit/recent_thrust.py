@@ -75,14 +75,21 @@ def _errors(run_set: RunSet, boat: Boat, choices: Sequence[Gains]) -> dict[Gains
     found: dict[Gains, list[RecentErrors]] = {}
     every = _gains_of_each(run_set, soft_weights(weight, boat), hypotheses)
     for choice, hypothesis, gains in zip(choices, hypotheses, every, strict=True):
-        ends = predictor(run_set, gains, hypothesis)
-        errors = [(horizon, errors_of(run_set, weight, horizon, ends)) for horizon in options().horizons]
-        found[choice] = [
-            RecentErrors(horizon, position_rmse(one))
-            for horizon, one in errors
-            if np.isfinite(one.error[:, :2]).all(axis=1).any()
-        ]
+        found[choice] = errors_with(run_set, weight, hypothesis, gains)
     return found
+
+
+def errors_with(
+    run_set: RunSet, weight: Array, hypothesis: Hypothesis, numbers: Sequence[Array]
+) -> list[RecentErrors]:
+    """Errors with the numbers (S, p) of each run's stretches, as `predictor` has them."""
+    ends = predictor(run_set, numbers, hypothesis)
+    errors = [(horizon, errors_of(run_set, weight, horizon, ends)) for horizon in options().horizons]
+    return [
+        RecentErrors(horizon, position_rmse(one))
+        for horizon, one in errors
+        if np.isfinite(one.error[:, :2]).all(axis=1).any()
+    ]
 
 
 def thruster_gains(boat: Boat, gains: Gains, spread: float = SPREAD) -> Hypothesis:
@@ -169,13 +176,15 @@ def rows_of(run_set: RunSet, run: int, first: int, end: int) -> RunSet:
 
 
 def predictor(
-    run_set: RunSet, gains: list[Array], hypothesis: Hypothesis
+    run_set: RunSet, gains: Sequence[Array], hypothesis: Hypothesis
 ) -> Callable[[int, Restarts], Array]:
-    """(n, 6) predictions of a run's restarts with the gains of their stretches."""
+    """(n, 6) predictions of a run's restarts with the numbers of their stretches of STRETCH, of which the
+    last has what is beyond.
+    """
     rows = round(STRETCH / run_set.dt)
 
     def ends(run: int, start: Restarts) -> Array:
-        stretch = start.first // rows
+        stretch = np.minimum(start.first // rows, len(gains[run]) - 1)
         found = np.empty((len(stretch), 6))
         for k in np.unique(stretch):
             mine = stretch == k

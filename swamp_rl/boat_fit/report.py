@@ -8,14 +8,14 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.boat_file import Fitted
-from swamp_rl.boat_fit.recent_thrust import past_seconds
+from swamp_rl.boat_fit.recent_thrust import RecentErrors, past_seconds
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_thrust import RunThrust
 from swamp_rl.boat_numbers.number import FARTHEST
 from swamp_rl.boat_numbers.numbers import SATURATED, free_numbers
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
-from swamp_rl.criticism.report.evidence import TRIVIAL
+from swamp_rl.criticism.likelihood.prediction_error import TRIVIAL
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.digits import digits, known
 from swamp_rl.html_page import document, prose, table
@@ -83,7 +83,7 @@ def summary(found: Identification) -> list[str]:
             f"All thrusts are multiplied by {level}, the mean thrust factor of the fitted runs (effect "
             "`thrust_scale`)."
         )
-    return [*lines, *unlike_runs(found), *far_from_start(found.fitted)]
+    return [*lines, *moving_water(found), *unlike_runs(found), *far_from_start(found.fitted)]
 
 
 def left_out(boat: Boat, fitted: Sequence[Fitted]) -> list[str]:
@@ -131,16 +131,34 @@ def _than(worse: Sequence[str]) -> str:
 
 def gains_sentence(found: Identification) -> str:
     """Which gains of the thrust predict the training runs best, with their errors."""
-    tried = {
-        name: ", ".join(f"{one.position:.3g} m at {one.horizon_s:g} s" for one in errors) or "none finite"
-        for name, errors in found.recent_training.items()
-    }
-    errors = "; ".join(f"{GAINS[name]}: {error}" for name, error in tried.items())
+    errors = "; ".join(f"{GAINS[name]}: {by_horizon(one)}" for name, one in found.recent_training.items())
     use = "not used" if found.gains == "none" else f"used: {GAINS[found.gains]}"
     return (
         f"Gains of the thrust, estimated from the past of the same run, are {use}. The choice minimises the "
         f"mean log position error on the training runs ({errors})."
     )
+
+
+def by_horizon(errors: Sequence[RecentErrors]) -> str:
+    """Position errors at their horizons, in words."""
+    return ", ".join(f"{one.position:.3g} m at {one.horizon_s:g} s" for one in errors) or "none finite"
+
+
+def moving_water(found: Identification) -> list[str]:
+    """The currents that were fitted, in a sentence."""
+    if not found.currents:
+        return []
+    speeds = [one.speed for one in found.currents]
+    like = " whose thrust factor is that of most runs" if found.unlike.names else ""
+    errors = (
+        f" In the mean current of each held-out run{like}, fitted to that run itself, the position errors "
+        f"without gains are {by_horizon(found.in_current)}."
+    )
+    return [
+        f"The water moved: a mean current of each run, {min(speeds):.2f} to {max(speeds):.2f} m/s, was "
+        "fitted beside the numbers. The boat file is for still water; `swamp-rl diagnose` estimates the "
+        f"current of other runs.{errors if found.in_current else ''}"
+    ]
 
 
 def unlike_runs(found: Identification) -> list[str]:

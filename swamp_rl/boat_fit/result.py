@@ -10,6 +10,7 @@ from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.fit import BoatFit
 from swamp_rl.boat_fit.pieces import Split
 from swamp_rl.boat_fit.recent_thrust import Gains, RecentErrors
+from swamp_rl.boat_fit.run_current import RunCurrent
 from swamp_rl.boat_fit.run_thrust import ThrustLevel, UnlikeRuns
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.criticism.result import Predictors
@@ -27,7 +28,8 @@ class Identification:
     held-out runs without these, none where all or no held-out runs are such; gains: of the thrust, from each
     run's own recent past, that predict the training runs best; recent: errors on the held-out runs with
     them, as `after` where they are none; recent_training: errors on the training runs by choice; level: of
-    the thrust in the runs fitted to.
+    the thrust in the runs fitted to; currents: of these, fitted beside the numbers, none where none is seen;
+    in_current: as `alike`, each run in its own current.
     """
 
     start: Boat
@@ -46,6 +48,8 @@ class Identification:
     recent: list[RecentErrors] = field(default_factory=list)
     recent_training: dict[Gains, list[RecentErrors]] = field(default_factory=dict)
     level: ThrustLevel = field(default_factory=ThrustLevel)
+    currents: list[RunCurrent] = field(default_factory=list)
+    in_current: list[RecentErrors] = field(default_factory=list)
 
     @property
     def predicted(self) -> list[Predictors]:

@@ -133,7 +133,7 @@ class _Trial:
     made: dict[tuple[bytes, float, float, int], tuple[float, Array]] = field(default_factory=dict)
 
     def hypothesis(self, boat: Boat) -> FreeBoat:
-        return free_boat(boat, free_numbers(boat, self.positions), 0)
+        return free_boat(boat, free_numbers(boat, self.positions))
 
     def delay_column(self, boat: Boat) -> int:
         names = [number.name for number in self.hypothesis(boat).numbers]

@@ -64,7 +64,7 @@ def by_name(fitted: list[Fitted]) -> dict[str, Fitted]:
 
 def test_a_hidden_boat_is_found_within_its_intervals(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, HIDDEN.replace("effects", "x_g: 0.02\neffects") + SATURATED)
-    hypothesis = free_boat(runs.boat, free_numbers(runs.boat), 0)
+    hypothesis = free_boat(runs.boat, free_numbers(runs.boat))
     made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
     found = by_name(numbers_of(made))
     truth = {
@@ -86,7 +86,7 @@ def test_a_hidden_boat_is_found_within_its_intervals(tmp_path: Path) -> None:
 def test_runs_without_noise_leave_the_common_factor_of_mass_and_forces_to_its_prior(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, "extends: twin.yaml\nname: hidden\nhull: {n_r: -0.11}\n", count=1, noise=0.0)
     numbers = free_numbers(runs.boat)
-    hypothesis = free_boat(runs.boat, numbers, 0)
+    hypothesis = free_boat(runs.boat, numbers)
     made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
     mass = by_name(numbers_of(made))["mass"]
     assert abs(mass.x) < 2.0 * mass.sd
@@ -99,7 +99,7 @@ def test_a_thruster_that_was_idle_gets_the_thrust_of_its_equal(tmp_path: Path) -
     sailed_dataset(tmp_path / "runs", start, truth, count=1, low=0.0, idle=("starboard",))
     runs = read_run_set(tmp_path / "runs", load_boat(tmp_path / "twin.yaml"))
     numbers = tuple(one for one in free_numbers(runs.boat) if one.name.endswith("thrust_quadratic"))
-    hypothesis = free_boat(runs.boat, numbers, 0)
+    hypothesis = free_boat(runs.boat, numbers)
     made = fit_boat(runs, weights(runs, noise_levels(runs)), hypothesis, hypothesis.start())
     found = by_name(numbers_of(made))
     port, starboard = (found[f"thrusters.{name}.thrust_quadratic"] for name in ("port", "starboard"))
@@ -131,7 +131,7 @@ def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diag
 ) -> None:
     truth = hidden(tmp_path, WIRED)
     sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, count=4)
-    code, message, _ = call("identify", "boat", "runs", "--boat", "twin.yaml", "--out", "new.yaml")
+    code, message, _ = call("identify", "boat", "runs", "--out", "new.yaml")  # from the dataset's boat
     assert code == 0
     assert "port and starboard obey each other's commands" in message
     assert "the throttle of port has the other sign" in message
@@ -142,7 +142,7 @@ def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diag
 
 def test_a_fit_ends_no_farther_from_the_runs_than_the_start_file_wherever_it_begins(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, "extends: twin.yaml\nname: hidden\n", count=1, seconds=30.0)
-    hypothesis, weight = free_boat(runs.boat, free_numbers(runs.boat), 0), weights(runs, noise_levels(runs))
+    hypothesis, weight = free_boat(runs.boat, free_numbers(runs.boat)), weights(runs, noise_levels(runs))
     start, sd = hypothesis.prior()[0], hypothesis.prior()[1] ** -0.5
     low, high = hypothesis.bounds()
     far = np.clip(start + 2.0 * sd, low, high)
@@ -156,7 +156,7 @@ def test_a_fit_ends_no_farther_from_the_runs_than_the_start_file_wherever_it_beg
 
 def test_a_window_in_which_the_boat_diverges_does_not_end_the_fit(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=1, seconds=60.0)
-    hypothesis = free_boat(runs.boat, free_numbers(runs.boat), 0)
+    hypothesis = free_boat(runs.boat, free_numbers(runs.boat))
     weight = weights(runs, noise_levels(runs))
     x = hypothesis.start()
     problem, begun = fit_windows(runs, weight, 5.0, hypothesis, x, 1)
@@ -175,7 +175,7 @@ def test_a_window_in_which_the_boat_diverges_does_not_end_the_fit(tmp_path: Path
 def test_where_a_boat_damps_too_fast_for_the_simulators_step_the_fit_takes_half_of_it(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=1, seconds=60.0)
     numbers = free_numbers(runs.boat)
-    hypothesis = free_boat(runs.boat, numbers, 0)
+    hypothesis = free_boat(runs.boat, numbers)
     weight, x = weights(runs, noise_levels(runs)), hypothesis.start()
     problem, begun = fit_windows(runs, weight, 5.0, hypothesis, x, 1)
     record = parameters(runs.boat)[0]
@@ -199,7 +199,7 @@ def test_where_a_boat_damps_too_fast_for_the_simulators_step_the_fit_takes_half_
 
 def test_a_fit_whose_covariance_is_infinite_keeps_its_noise(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=1, seconds=30.0)
-    hypothesis = free_boat(runs.boat, free_numbers(runs.boat), 0)
+    hypothesis = free_boat(runs.boat, free_numbers(runs.boat))
     problem, made = fit_windows(
         runs, weights(runs, noise_levels(runs)), 5.0, hypothesis, hypothesis.start(), 1
     )

@@ -38,7 +38,7 @@ def test_runs_of_another_thrust_are_left_out_of_the_fit_and_named(
         return tuple(one for one in every if "thrust_quadratic" in one.name)
 
     def as_logged(run_set: RunSet, noise: object, positions: bool) -> Wiring:
-        x = free_boat(run_set.boat, identify.free_numbers(run_set.boat, positions), 0).start()
+        x = free_boat(run_set.boat, identify.free_numbers(run_set.boat, positions)).start()
         return Wiring(run_set.boat, (), 0.0, x)
 
     monkeypatch.setattr(identify, "free_numbers", few)  # two numbers, of commands as they are logged: fast

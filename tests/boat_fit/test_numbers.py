@@ -31,7 +31,7 @@ def boat_of(kind: str, folder: Path) -> Boat:
 
 
 def whole(boat: Boat) -> FreeBoat:
-    return free_boat(boat, free_numbers(boat, positions=True), 0)
+    return free_boat(boat, free_numbers(boat, positions=True))
 
 
 def moved(hypothesis: FreeBoat) -> np.ndarray:
@@ -159,7 +159,7 @@ def test_no_effect_of_the_start_file_is_lost_with_all_or_some_of_its_numbers_fit
         numbers = free_numbers(boat, positions=True)
         numbers = numbers[: round(share * len(numbers))]
         fitted = [Fitted(number, number.mean, 0.1 * number.sd) for number in numbers]
-        hypothesis = free_boat(boat, numbers, 0)
+        hypothesis = free_boat(boat, numbers)
         write_yaml(tmp_path / "new.yaml", identified_mapping(boat, "new", fitted, "runs"))
         again = load_boat(tmp_path / "new.yaml")
         for read, wanted, curves in (
@@ -252,7 +252,7 @@ def test_a_measured_number_has_a_narrower_prior_than_an_assumed_one(tmp_path: Pa
 def test_the_derivative_of_a_prediction_by_a_scaled_number_is_that_of_its_record(tmp_path: Path) -> None:
     boat = load_boat(written(tmp_path, "twin"))
     number = Number("mass", "kg", "mass", boat.mass, 0.1, "", scaled=True)
-    hypothesis = free_boat(boat, (number,), 0)
+    hypothesis = free_boat(boat, (number,))
     up, down = (float(hypothesis.records(boat, np.array([[h]]))["mass"][0]) for h in (1e-4, -1e-4))
     assert (up - down) / 2e-4 == pytest.approx(boat.mass, rel=1e-6)
     assert number.spread(0.2, 1e-4) == pytest.approx(boat.mass * math.exp(0.2) * 1e-4)

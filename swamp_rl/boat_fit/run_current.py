@@ -1,0 +1,67 @@
+"""Mean current of each run, fitted beside the numbers of a boat, and predictions in it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swamp_rl.boat import Boat
+from swamp_rl.boat_fit.fit import soft_weights, window_length
+from swamp_rl.boat_fit.hypothesis import WEATHER_SD
+from swamp_rl.boat_fit.recent_thrust import RecentErrors, errors_with
+from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
+from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
+from swamp_rl.criticism.likelihood.output_error import fit
+from swamp_rl.criticism.model.candidates import Hypothesis, instances_of
+from swamp_rl.effects import LIBRARY
+
+Array = NDArray[np.float64]
+
+STEPS = 6  # Jacobians of a fit of the current
+
+
+@dataclass(frozen=True)
+class RunCurrent:
+    """Mean current of a run, or of a piece of one, towards north and east, and the standard error of its
+    speed along its direction [m/s].
+    """
+
+    name: str
+    north: float
+    east: float
+    standard_error: float
+
+    @property
+    def speed(self) -> float:
+        """[m/s]."""
+        return float(np.hypot(self.north, self.east))
+
+
+def run_currents(run_set: RunSet, hypothesis: Hypothesis, x: Array, covariance: Array) -> list[RunCurrent]:
+    """The currents among x (p,) of these runs, run after run; none where the hypothesis has none."""
+    columns = np.flatnonzero(hypothesis.columns("current by_run"))
+    found = []
+    for name, own in zip(run_set.names, columns.reshape(-1, 2), strict=False):
+        flow = x[own]
+        along = flow / max(float(np.hypot(*flow)), 1e-12)
+        error = float(np.sqrt(along @ covariance[np.ix_(own, own)] @ along))
+        found.append(RunCurrent(name, float(flow[0]), float(flow[1]), error))
+    return found
+
+
+@np.errstate(over="ignore", invalid="ignore")  # where the boat diverges
+def errors_in_current(run_set: RunSet, boat: Boat) -> list[RecentErrors]:
+    """Errors of a boat file in the mean current of each run, which is fitted to that run itself."""
+    run_set = replace(run_set, boat=boat)
+    weight = weights(run_set, noise_levels(run_set))
+    (free,) = instances_of(LIBRARY["current"], boat)
+    specs = tuple(replace(spec, prior=WEATHER_SD["current"], mean=0.0) for spec in free.specs)
+    hypothesis = Hypothesis((replace(free, specs=specs),))
+    problem = Shooting(run_set, soft_weights(weight, boat), window_length(boat))
+    states, run = problem.initial_states(), problem.windows.run
+    flows = [
+        fit(problem.part(run == k), hypothesis, np.zeros(2), states[run == k], STEPS).x
+        for k in range(len(run_set.lengths))
+    ]
+    return errors_with(run_set, weight, hypothesis, [np.nan_to_num(one)[None] for one in flows])

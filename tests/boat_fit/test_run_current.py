@@ -1,0 +1,64 @@
+"""A mean current of each run is fitted beside the numbers where it is seen."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat_fit.fit import BoatFit
+from swamp_rl.boat_fit.hypothesis import free_boat
+from swamp_rl.boat_fit.identify import errors_on, fitted_boat, numbers_of, short_fitted
+from swamp_rl.boat_fit.run_current import RunCurrent, errors_in_current, run_currents
+from swamp_rl.boat_fit.wiring import Wiring
+from swamp_rl.boat_numbers.numbers import free_numbers
+from swamp_rl.criticism.data.run_set import RunSet, read_run_set
+from tests.support.from_scratch import written
+from tests.support.sailing import sailed_dataset
+
+N_R, NORTH, EAST = -0.11, 0.06, -0.08
+FLOWING = f"effects: [{{effect: current, north: {NORTH}, east: {EAST}}}]\n"
+FIVE = 1  # place of the horizon of 5 s among those of the report
+
+
+def sailed(folder: Path, effects: str) -> tuple[RunSet, Boat]:
+    """Two runs of a hidden boat, read as runs of the start file, and this boat without its effects."""
+    written(folder, "twin")
+    hidden = f"extends: twin.yaml\nname: hidden\nhull: {{n_r: {N_R}}}\n"
+    (folder / "hidden.yaml").write_text(hidden + effects)
+    (folder / "still.yaml").write_text(hidden)
+    sailed_dataset(folder / "runs", folder / "twin.yaml", load_boat(folder / "hidden.yaml"), count=2)
+    return read_run_set(folder / "runs", load_boat(folder / "twin.yaml")), load_boat(folder / "still.yaml")
+
+
+def fitted(runs: RunSet) -> tuple[BoatFit, bool, list[RunCurrent]]:
+    """The fit, whether short windows show a current, and those that it has."""
+    begun = Wiring(runs.boat, (), 0.0, free_boat(runs.boat, free_numbers(runs.boat)).start())
+    wiring, short, flows = short_fitted(runs, begun)
+    made = fitted_boat(runs, wiring, short, flows)
+    return made, flows, run_currents(runs, made.hypothesis, made.fit.x, made.covariance)
+
+
+def test_a_current_is_fitted_beside_the_numbers_and_bends_none(tmp_path: Path) -> None:
+    runs, _ = sailed(tmp_path, FLOWING)
+    made, flows, currents = fitted(runs)
+    assert flows
+    assert [one.name for one in currents] == list(runs.names)
+    for one in currents:
+        assert 0.0 < one.standard_error < 0.3 * one.speed
+        assert np.hypot(one.north - NORTH, one.east - EAST) < 4.0 * one.standard_error
+    (yaw,) = (one for one in numbers_of(made) if one.number.name == "hull.n_r")
+    assert yaw.shown
+    assert abs(yaw.value - N_R) < 4.0 * yaw.standard_error
+
+
+def test_still_water_has_no_current(tmp_path: Path) -> None:
+    runs, _ = sailed(tmp_path, "")
+    assert fitted(runs)[1:] == (False, [])
+
+
+def test_a_true_boat_predicts_to_the_noise_in_the_current_of_each_run_alone(tmp_path: Path) -> None:
+    runs, still = sailed(tmp_path, FLOWING)
+    in_current, without = errors_in_current(runs, still)[FIVE], errors_on(runs, still)[FIVE]
+    assert in_current.horizon_s == without.horizon_s == pytest.approx(5.0)
+    assert in_current.position < 0.3 * without.boat_file
