@@ -17,7 +17,7 @@ from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
-from swamp_rl.boat_fit.run_current import errors_in_current, run_currents
+from swamp_rl.boat_fit.run_current import errors_in_current, is_seen, run_currents
 from swamp_rl.boat_fit.run_thrust import (
     FEWEST,
     RunThrust,
@@ -47,7 +47,7 @@ from swamp_rl.runs.dataset import Dataset, as_on_disk, own_boat
 Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
-SEEN = 3.0  # standard errors of the fit to short windows, from which saturation or a current is seen
+SEEN = 3.0  # standard errors of the fit to short windows, from which saturation is seen
 AT_BOUND = 1e-3  # of the prior width, within which a number is at its bound
 FITS = 3  # at most, each without the runs of another thrust that the one before shows
 
@@ -225,8 +225,7 @@ def short_fitted(
     LOG.info("fitting %d numbers to windows of %.3g s", len(numbers), SHORT)
     made = short_fit(run_set, weight, hypothesis, x)
     found = _estimates(numbers, made.x, made.covariance, made.covariance)
-    currents = run_currents(run_set, hypothesis, made.x, made.covariance)
-    flows = any(one.speed > SEEN * one.standard_error for one in currents)
+    flows = is_seen(run_currents(run_set, hypothesis, made.x, made.covariance))
     return replace(wiring, x=made.x[: len(found)]), found, flows
 
 

@@ -1,5 +1,7 @@
 """Mean current of each run, fitted beside the numbers of a boat, and predictions in it."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +21,7 @@ from swamp_rl.effects import LIBRARY
 Array = NDArray[np.float64]
 
 STEPS = 6  # Jacobians of a fit of the current
+LEVEL = 0.01  # chance that a current is seen in any of the runs where there is none
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,16 @@ def run_currents(run_set: RunSet, hypothesis: Hypothesis, x: Array, covariance: 
         error = float(np.sqrt(along @ covariance[np.ix_(own, own)] @ along))
         found.append(RunCurrent(name, float(flow[0]), float(flow[1]), error))
     return found
+
+
+def is_seen(currents: Sequence[RunCurrent]) -> bool:
+    """Whether the current of any run is no chance: a speed whose two components have the error s exceeds k s
+    with probability exp(-k^2 / 2) where there is none (Rayleigh distribution).
+    """
+    if not currents:
+        return False
+    limit = math.sqrt(-2.0 * math.log(LEVEL / len(currents)))
+    return any(one.speed > limit * one.standard_error for one in currents)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # where the boat diverges

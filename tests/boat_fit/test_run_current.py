@@ -9,7 +9,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.fit import BoatFit
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import errors_on, fitted_boat, numbers_of, short_fitted
-from swamp_rl.boat_fit.run_current import RunCurrent, errors_in_current, run_currents
+from swamp_rl.boat_fit.run_current import RunCurrent, errors_in_current, is_seen, run_currents
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
@@ -50,6 +50,14 @@ def test_a_current_is_fitted_beside_the_numbers_and_bends_none(tmp_path: Path) -
     (yaw,) = (one for one in numbers_of(made) if one.number.name == "hull.n_r")
     assert yaw.shown
     assert abs(yaw.value - N_R) < 4.0 * yaw.standard_error
+
+
+def test_noise_is_taken_for_a_current_once_in_a_hundred_times() -> None:
+    drawn = np.random.default_rng(0).normal(0.0, 0.02, (2000, 20, 2))
+    every = [[RunCurrent("", float(n), float(e), 0.02) for n, e in runs] for runs in drawn]
+    assert 0.004 < np.mean([is_seen(runs) for runs in every]) < 0.018
+    assert is_seen([*every[0], RunCurrent("", 0.0, -0.1, 0.02)])
+    assert not is_seen([])
 
 
 def test_still_water_has_no_current(tmp_path: Path) -> None:
