@@ -17,7 +17,7 @@ from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
-from swamp_rl.boat_fit.run_current import errors_in_current, is_seen, run_currents
+from swamp_rl.boat_fit.run_current import errors_in_current, is_significant, run_currents
 from swamp_rl.boat_fit.run_thrust import (
     FEWEST,
     RunThrust,
@@ -149,8 +149,8 @@ def _fitted_to_alike(
         rest = _without(data.training, unlike(thrusts))
         left_out = sorted(set(data.training.names) - set(rest.names))
         LOG.info("fitting to all runs but %s", ", ".join(left_out) or "none")
-        wiring, short, flows = short_fitted(rest, begun, positions)
-        made = fitted_boat(rest, wiring, short, flows)
+        wiring, short, with_current = short_fitted(rest, begun, positions)
+        made = fitted_boat(rest, wiring, short, with_current)
         numbers = numbers_of(made)
         thrusts = thrusts_of(numbers)
         if _without(data.training, unlike(thrusts)).names == rest.names:
@@ -219,23 +219,26 @@ def searched(training: RunSet, positions: bool = False) -> Wiring:
 def short_fitted(
     training: RunSet, wiring: Wiring, positions: bool = False
 ) -> tuple[Wiring, list[Fitted], bool]:
-    """The wiring with the numbers of the fit to short windows, these, and whether a current is seen."""
+    """The wiring with the numbers of the fit to short windows, these, and whether a current is significant
+    there.
+    """
     numbers = free_numbers(wiring.boat, positions)
-    run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x, flows=True)
+    run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x, with_current=True)
     LOG.info("fitting %d numbers to windows of %.3g s", len(numbers), SHORT)
     made = short_fit(run_set, weight, hypothesis, x)
     found = _estimates(numbers, made.x, made.covariance, made.covariance)
-    flows = is_seen(run_currents(run_set, hypothesis, made.x, made.covariance))
-    return replace(wiring, x=made.x[: len(found)]), found, flows
+    with_current = is_significant(run_currents(run_set, hypothesis, made.x, made.covariance))
+    return replace(wiring, x=made.x[: len(found)]), found, with_current
 
 
-def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted], flows: bool) -> BoatFit:
-    """The fit of a boat's numbers to runs, from those of the fit to short windows that these support; flows:
-    whether each run has a mean current.
+def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted], with_current: bool) -> BoatFit:
+    """The fit of a boat's numbers to runs, from those of the fit to short windows that these support;
+    with_current: whether each run has a mean current.
     """
     kept = [i for i, one in enumerate(short) if supported(one)]
     LOG.info("fitting %d numbers to windows of %.3g s", len(kept), window_length(training.boat))
-    return long_fit(*_begun(training, wiring, tuple(short[i].number for i in kept), wiring.x[kept], flows))
+    numbers = tuple(short[i].number for i in kept)
+    return long_fit(*_begun(training, wiring, numbers, wiring.x[kept], with_current))
 
 
 def supported(one: Fitted) -> bool:
@@ -249,13 +252,13 @@ def supported(one: Fitted) -> bool:
 
 
 def _begun(
-    training: RunSet, wiring: Wiring, numbers: tuple[Number, ...], x: Array, flows: bool
+    training: RunSet, wiring: Wiring, numbers: tuple[Number, ...], x: Array, with_current: bool
 ) -> tuple[RunSet, Array, FreeBoat, Array]:
     """Runs, weights (R, T, 6), hypothesis and x (p,) of the numbers x that a fit begins with, with a mean
-    wind of each run unless it was measured, and with a mean current if that flows.
+    wind of each run unless it was measured, and with a mean current where asked for.
     """
     run_set = advanced(replace(training, boat=wiring.boat), wiring.advance)
-    weather = ["wind"] * ("wind_speed" not in run_set.measured_fields) + ["current"] * flows
+    weather = ["wind"] * ("wind_speed" not in run_set.measured_fields) + ["current"] * with_current
     hypothesis = free_boat(wiring.boat, numbers, len(run_set.lengths), weather)
     start = hypothesis.start()
     start[: len(numbers)] = x

@@ -21,7 +21,7 @@ from swamp_rl.effects import LIBRARY
 Array = NDArray[np.float64]
 
 STEPS = 6  # Jacobians of a fit of the current
-LEVEL = 0.01  # chance that a current is seen in any of the runs where there is none
+LEVEL = 0.01  # chance that any of the runs has a significant current where there is none
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,10 @@ class RunCurrent:
 def run_currents(run_set: RunSet, hypothesis: Hypothesis, x: Array, covariance: Array) -> list[RunCurrent]:
     """The currents among x (p,) of these runs, run after run; none where the hypothesis has none."""
     columns = np.flatnonzero(hypothesis.columns("current by_run"))
+    if not len(columns):
+        return []
     found = []
-    for name, own in zip(run_set.names, columns.reshape(-1, 2), strict=False):
+    for name, own in zip(run_set.names, columns.reshape(-1, 2), strict=True):
         flow = x[own]
         along = flow / max(float(np.hypot(*flow)), 1e-12)
         error = float(np.sqrt(along @ covariance[np.ix_(own, own)] @ along))
@@ -53,9 +55,9 @@ def run_currents(run_set: RunSet, hypothesis: Hypothesis, x: Array, covariance: 
     return found
 
 
-def is_seen(currents: Sequence[RunCurrent]) -> bool:
-    """Whether the current of any run is no chance: a speed whose two components have the error s exceeds k s
-    with probability exp(-k^2 / 2) where there is none (Rayleigh distribution).
+def is_significant(currents: Sequence[RunCurrent]) -> bool:
+    """Whether the current of any run is significant: where there is none, a speed whose two components have
+    the error s exceeds k s with probability exp(-k^2 / 2) (Rayleigh distribution).
     """
     if not currents:
         return False

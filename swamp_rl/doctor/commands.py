@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
+from swamp_rl.runs.columns import command_columns
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ def is_command(name: str) -> bool:
 def other_boat_findings(runs: Sequence[Run], boat: Boat) -> list[Finding]:
     """The fault of commands of thrusters none of which the boat has."""
     there = {name for run in runs for name in run.columns}
-    own = [name for thruster in boat.thrusters for name in thruster.command_columns if name is not None]
+    own = command_columns(boat)
     others = sorted(name for name in there if name.startswith(COMMANDS[:4]))
     if there & set(own) or not others:
         return []

@@ -15,6 +15,7 @@ from swamp_rl.link.module_line import ModuleLine, read_module_line
 from swamp_rl.link.sensor_line import CAMOGLI, read_sensor_line, words_of
 from swamp_rl.link.socket_link import PATIENCE, packets, socket_link
 from swamp_rl.link.stamps import Stamps
+from swamp_rl.runs.columns import command_columns
 from swamp_rl.runs.import_foreign import Wishes, runs_from
 from swamp_rl.runs.local_frame import Place
 from swamp_rl.runs.mcap_files import read_mcap
@@ -66,8 +67,8 @@ def samples(
 def mcap_samples(path: Path, boat: Boat, topic: str | None = None) -> Iterator[Sample]:
     """Yield the rows of a run in an MCAP file, as `runs export --to mcap` writes it."""
     found = read_mcap(path, topic)
-    for column in (one for thruster in boat.thrusters for one in thruster.command_columns):
-        if column is not None and column not in found.table.columns:
+    for column in command_columns(boat):
+        if column not in found.table.columns:
             raise UserError(
                 f"{path}: column {column}, by which boat {boat.name} is commanded, is missing; name the boat "
                 "of this run by --boat"

@@ -87,10 +87,9 @@ def is_angle(column: str) -> bool:
 def _thruster_span(kind: str, name: str, applied: bool, boat: Boat) -> Span:
     named = [found for found in boat.thrusters if f"{kind}_{name}" in found.command_columns]
     if not named:
-        commands = [column for found in boat.thrusters for column in found.command_columns if column]
         raise UnknownThrusterError(
             f"boat {boat.name} {NO_THRUSTER} {name!r} whose command is {kind} "
-            f"(its commands are {', '.join(commands)}); "
+            f"(its commands are {', '.join(command_columns(boat))}); "
             "correct the column's name, or name the boat that has it"
         )
     thruster = named[0]

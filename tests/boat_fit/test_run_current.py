@@ -1,4 +1,4 @@
-"""A mean current of each run is fitted beside the numbers where it is seen."""
+"""A mean current of each run is fitted beside the numbers where it is significant."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.fit import BoatFit
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import errors_on, fitted_boat, numbers_of, short_fitted
-from swamp_rl.boat_fit.run_current import RunCurrent, errors_in_current, is_seen, run_currents
+from swamp_rl.boat_fit.run_current import RunCurrent, errors_in_current, is_significant, run_currents
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
@@ -32,17 +32,17 @@ def sailed(folder: Path, effects: str) -> tuple[RunSet, Boat]:
 
 
 def fitted(runs: RunSet) -> tuple[BoatFit, bool, list[RunCurrent]]:
-    """The fit, whether short windows show a current, and those that it has."""
+    """The fit, whether a current is significant in short windows, and those that it has."""
     begun = Wiring(runs.boat, (), 0.0, free_boat(runs.boat, free_numbers(runs.boat)).start())
-    wiring, short, flows = short_fitted(runs, begun)
-    made = fitted_boat(runs, wiring, short, flows)
-    return made, flows, run_currents(runs, made.hypothesis, made.fit.x, made.covariance)
+    wiring, short, significant = short_fitted(runs, begun)
+    made = fitted_boat(runs, wiring, short, significant)
+    return made, significant, run_currents(runs, made.hypothesis, made.fit.x, made.covariance)
 
 
 def test_a_current_is_fitted_beside_the_numbers_and_bends_none(tmp_path: Path) -> None:
     runs, _ = sailed(tmp_path, FLOWING)
-    made, flows, currents = fitted(runs)
-    assert flows
+    made, significant, currents = fitted(runs)
+    assert significant
     assert [one.name for one in currents] == list(runs.names)
     for one in currents:
         assert 0.0 < one.standard_error < 0.3 * one.speed
@@ -55,9 +55,9 @@ def test_a_current_is_fitted_beside_the_numbers_and_bends_none(tmp_path: Path) -
 def test_noise_is_taken_for_a_current_once_in_a_hundred_times() -> None:
     drawn = np.random.default_rng(0).normal(0.0, 0.02, (2000, 20, 2))
     every = [[RunCurrent("", float(n), float(e), 0.02) for n, e in runs] for runs in drawn]
-    assert 0.004 < np.mean([is_seen(runs) for runs in every]) < 0.018
-    assert is_seen([*every[0], RunCurrent("", 0.0, -0.1, 0.02)])
-    assert not is_seen([])
+    assert 0.004 < np.mean([is_significant(runs) for runs in every]) < 0.018
+    assert is_significant([*every[0], RunCurrent("", 0.0, -0.1, 0.02)])
+    assert not is_significant([])
 
 
 def test_still_water_has_no_current(tmp_path: Path) -> None:

@@ -155,6 +155,9 @@ def test_a_boat_file_that_lacks_a_thruster_that_ran_is_refused(tmp_path: Path) -
     message = complaint(data, tmp_path / "two.yaml", tmp_path / "out")
     assert "column throttle_ss drives a thruster that boat two does not have (it has bs, bp)" in message
     assert "give the boat of these runs by --boat" in complaint(data, "esso_osaka", tmp_path / "out")
+    renamed = recorded(tmp_path / "renamed", setting(**{"left %": 0.5}))
+    advice = "if one of 'left %' is it, import with --column rudder_main=THEIRS"
+    assert advice in complaint(renamed, "esso_osaka", tmp_path / "out")
     idle = recorded(tmp_path / "idle", setting(throttle_ss=0.0, throttle_sp=0.0))
     with pytest.raises(FittedError):
         diagnose(idle, tmp_path / "two.yaml", tmp_path / "out")

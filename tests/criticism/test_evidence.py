@@ -112,7 +112,7 @@ class BegunError(Exception):
 @pytest.mark.parametrize(
     ("effects", "said"), [([], False), ([{"effect": "thrust_scale", "scale": 0.0}], True)]
 )
-def test_a_boat_file_that_predicts_no_better_than_a_boat_at_rest_is_said_to_before_the_search(
+def test_a_boat_file_no_better_than_a_boat_at_rest_is_reported_before_the_search(
     effects: list[dict[str, object]],
     said: bool,
     monkeypatch: pytest.MonkeyPatch,
