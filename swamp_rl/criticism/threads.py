@@ -1,8 +1,10 @@
 """Work on many windows, divided among threads."""
 
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextvars import copy_context
+from contextlib import contextmanager
+from contextvars import ContextVar, copy_context
 from itertools import pairwise
 from typing import TypeVar
 
@@ -14,6 +16,9 @@ from swamp_rl.criticism.options import options
 T = TypeVar("T")
 R = TypeVar("R")
 
+INSIDE: ContextVar[bool] = ContextVar("INSIDE", default=False)
+"""Whether this is a thread of `each`, whose work is not divided again."""
+
 
 def divided(part: Callable[[slice], None], count: int, steps: int) -> None:
     """Call `part` with slices of `count` items, on a thread for each `thread_steps` boat steps, at most
@@ -22,13 +27,15 @@ def divided(part: Callable[[slice], None], count: int, steps: int) -> None:
     The bits do not depend on the number of threads where `part` treats each item alone. Each thread has the
     options and NumPy's error handling of the caller.
     """
-    threads = min(numba.config.NUMBA_NUM_THREADS, count, steps // options().thread_steps)
+    threads = min(_most_threads(), count, steps // options().thread_steps)
     if threads < 2:
         part(slice(0, count))
         return
     edges = np.linspace(0, count, threads + 1).astype(int)
-    with ThreadPoolExecutor(threads) as pool:
-        begun = [pool.submit(copy_context().run, part, slice(*ends)) for ends in pairwise(edges)]
+    own, *others = [slice(*ends) for ends in pairwise(edges.tolist())]
+    with ThreadPoolExecutor(threads - 1) as pool:
+        begun = [pool.submit(copy_context().run, part, one) for one in others]
+        part(own)
         for one in begun:
             one.result()
 
@@ -37,9 +44,29 @@ def each(work: Callable[[T], R], items: Sequence[T]) -> list[R]:
     """The results of work on each item, on numba's number of threads: for work that shares no state and is
     long beside the start of a thread. Each thread has the options and NumPy's error handling of the caller.
     """
-    threads = min(numba.config.NUMBA_NUM_THREADS, len(items))
+    threads = min(_most_threads(), len(items))
     if threads < 2:
         return [work(one) for one in items]
-    with ThreadPoolExecutor(threads) as pool:
-        begun = [pool.submit(copy_context().run, work, one) for one in items]
+
+    def inside(item: T) -> R:
+        INSIDE.set(True)
+        return work(item)
+
+    with ThreadPoolExecutor(threads) as pool, _often_switched():
+        begun = [pool.submit(copy_context().run, inside, one) for one in items]
         return [one.result() for one in begun]
+
+
+def _most_threads() -> int:
+    return 1 if INSIDE.get() else numba.config.NUMBA_NUM_THREADS
+
+
+@contextmanager
+def _often_switched() -> Iterator[None]:
+    """Within the block a thread that comes back from compiled code waits less long for Python's lock."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(options().switch_interval)
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(before)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
@@ -77,6 +78,20 @@ def test_score_tests_that_are_asked_for_again_are_not_simulated_again_and_count_
     assert simulated and other[0].expected_chi2 != first[0].expected_chi2
     slower = problem.with_commands(replace(runs, commands=0.5 * runs.commands))
     assert score_tests(slower, at, every)[0].expected_chi2 != first[0].expected_chi2
+
+
+def test_score_tests_in_several_threads_are_those_of_one_and_count_as_many_steps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    runs, problem, at = boat_file_alone()
+    every = candidates(runs.boat, SECONDS)
+    found = []
+    for threads in (1, 3):
+        monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", threads)
+        before = problem.boat_steps[0]
+        scores = [(one.instance.label, one.expected_chi2) for one in score_tests(problem, replace(at), every)]
+        found.append((scores, problem.boat_steps[0] - before))
+    assert found[0] == found[1]
 
 
 def test_score_tests_of_other_starts_and_fewer_effects_simulate_nothing_that_was_simulated_before(

@@ -1,12 +1,13 @@
 """Items that are worked on in threads."""
 
+import sys
 from threading import Barrier, get_ident
 
 import numba
 import pytest
 
 from swamp_rl.criticism.options import options, using
-from swamp_rl.criticism.threads import each
+from swamp_rl.criticism.threads import divided, each
 
 
 def test_items_are_worked_on_together_with_the_options_of_the_caller(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -27,3 +28,37 @@ def test_one_thread_or_item_begins_no_thread(
 ) -> None:
     monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", threads)
     assert each(lambda _: get_ident(), range(items)) == [get_ident()] * items
+
+
+def test_work_in_a_thread_is_not_divided_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 2)
+
+    def work(item: int) -> tuple[bool, list[slice]]:
+        parts = list[slice]()
+        divided(parts.append, 8, 10**9)
+        return each(lambda _: get_ident(), range(3)) == [get_ident()] * 3, parts
+
+    assert each(work, range(4)) == [(True, [slice(0, 8)])] * 4
+
+
+def test_parts_cover_every_item_once_and_an_error_in_one_reaches_the_caller(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 3)
+    parts = list[slice]()
+    divided(parts.append, 8, 10**9)
+    assert sorted(i for part in parts for i in range(8)[part]) == list(range(8)) and len(parts) == 3
+
+    def fails(part: slice) -> None:
+        if part.stop == 8:
+            raise MemoryError("no room")
+
+    with pytest.raises(MemoryError, match="no room"):
+        divided(fails, 8, 10**9)
+
+
+def test_threads_give_way_as_before_once_the_work_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 2)
+    before = sys.getswitchinterval()
+    during = each(lambda _: sys.getswitchinterval(), range(2))
+    assert max(during) < before == sys.getswitchinterval()

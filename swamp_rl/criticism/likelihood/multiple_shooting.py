@@ -4,7 +4,8 @@ import math
 from collections.abc import Callable
 from copy import copy
 from functools import cached_property
-from typing import Any
+from threading import Lock
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,18 @@ from swamp_rl.simulator.state import TIME
 from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
+K = TypeVar("K")
 
 NO_ACCELERATION = np.zeros((0, 1, 3))
+
+
+def put_last(kept: dict[K, Array], new: dict[K, Array], most: int) -> None:
+    """Keep arrays as the last ones to go, and of all of them at most so many."""
+    for key, one in new.items():
+        kept.pop(key, None)
+        kept[key] = one
+    for key in list(kept)[: max(len(kept) - most, 0)]:
+        del kept[key]
 
 
 class Shooting:
@@ -68,6 +79,7 @@ class Shooting:
         # the last ones, by windows and steps, records and starts; None: not kept
         self.tracks: dict[tuple[bytes, ...], Array] | None = {}
         self.histories: dict[tuple[str, bytes], Array] = {}
+        self.kept = Lock()  # held while `tracks` and `histories` change
         self.last_records: list[Any] = []  # hypothesis, numbers and what `_records` made of them
         self.last_slopes: list[Any] = []  # the same of `state_jacobian`, by window and initial state
         self.scores: list[Any] = []  # fits, and what `score_tests` computed beside them
@@ -99,6 +111,12 @@ class Shooting:
         made.windows = self.windows.part(chosen)
         made.filter = self.filter.part(chosen) if self.filter is not None else None
         made.plain_actuators = self.plain_actuators[chosen]
+        return made
+
+    def apart(self) -> "Shooting":
+        """The same problem for another thread, whose boat steps count apart; kept tracks are common."""
+        made = copy(self)
+        made.last_records, made.last_slopes, made.scores, made.boat_steps = [], [], [], [0]
         return made
 
     def in_blocks(self, rows: int, count: int, ahead: int) -> "Shooting":
@@ -143,13 +161,14 @@ class Shooting:
     def _actuator_history(self, hypothesis: Hypothesis, x: Array) -> Array:
         """(R, rows, S - 6) time and actuators up to the last window's start under x (p,)."""
         key = hypothesis.label, x.tobytes()
-        if key not in self.histories:
+        found = self.histories.get(key)
+        if found is None:
             records = hypothesis.records(self.boat, x[None], self.record, self.run_set.origins)
-            if len(self.histories) >= options().most_histories:
-                del self.histories[next(iter(self.histories))]
             commands, parts = self.run_set.commands_of_parts, self.run_set.parts
-            self.histories[key] = actuator_states(records, commands, self.last, self.dt, parts=parts)
-        return self.histories[key]
+            found = actuator_states(records, commands, self.last, self.dt, parts=parts)
+            with self.kept:
+                put_last(self.histories, {key: found}, options().most_histories)
+        return found
 
     def _records(self, hypothesis: Hypothesis, x: Array) -> tuple[NDArray[Any], bool]:
         """(V R,) parameter records of every run under each row of x (V, p), and whether their sensors alter
@@ -187,18 +206,19 @@ class Shooting:
             return simulated(records, start)
         where = np.concatenate([win.run, win.first, win.steps, [self.substeps, ahead]]).tobytes()
         boats = [one.tobytes() for one in records]
-        keys = [(where, boats[v % len(boats)], one.tobytes()) for v, one in enumerate(start)]
-        new = np.array([key not in self.tracks for key in keys])
+        keys: list[tuple[bytes, ...]] = [
+            (where, boats[v % len(boats)], one.tobytes()) for v, one in enumerate(start)
+        ]
+        with self.kept:
+            found = {key: self.tracks[key] for key in keys if key in self.tracks}
+        new = np.array([key not in found for key in keys])
         if new.any():
             boats_of_new = records[new] if len(records) > 1 else records
             made = simulated(boats_of_new, start[new])
-            self.tracks.update(zip((keys[v] for v in np.flatnonzero(new)), made, strict=True))
-        for key in keys:  # those asked for last are the last to go
-            self.tracks[key] = self.tracks.pop(key)
-        found = np.stack([self.tracks[key] for key in keys])
-        while len(self.tracks) > options().most_tracks:
-            del self.tracks[next(iter(self.tracks))]
-        return found
+            found |= zip((keys[v] for v in np.flatnonzero(new)), made, strict=True)
+        with self.kept:
+            put_last(self.tracks, found, options().most_tracks)
+        return np.stack([found[key] for key in keys])
 
     def motion(
         self, hypothesis: Hypothesis, x: Array, states: Array, acceleration: Array, block: int

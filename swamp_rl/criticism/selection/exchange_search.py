@@ -20,6 +20,7 @@ from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.selection.backward_elimination import adequate_stage, fit_by_continuation
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
+from swamp_rl.criticism.selection.side_by_side import side_by_side
 
 Array = NDArray[np.float64]
 
@@ -58,11 +59,8 @@ def single_exchanges(continuation: Continuation, at: Fit, instances: Sequence[Ef
     """
     near, taking_part = continuation.criterion(at) + options().compared, _taking_part(at, instances)
     others = _neighbours(continuation, at, taking_part, options().follow_fit, more=False)
-    return [
-        fit_by_continuation(continuation, one.hypothesis, one.x)
-        for one in others
-        if continuation.criterion(one) < near and one.hypothesis != at.hypothesis
-    ]
+    close = [one for one in others if continuation.criterion(one) < near and one.hypothesis != at.hypothesis]
+    return side_by_side(continuation, lambda own, one: fit_by_continuation(own, one.hypothesis, one.x), close)
 
 
 def _better(continuation: Continuation, at: Fit, instances: Sequence[EffectInstance]) -> Fit:
@@ -109,11 +107,9 @@ def _promising(
     criterion, known = continuation.criterion, by_label(instances)
     likely = [one for one in scores if one.information >= options().least_information]
     likely = sorted(likely, key=criterion.expected)[: options().exchange_fits]
-    return [
-        _fitted(continuation, one, known[one.instance.label])
-        for one in likely
-        if criterion.expected(one) < criterion(at) + room
-    ]
+    chosen = [one for one in likely if criterion.expected(one) < criterion(at) + room]
+    made = side_by_side(continuation, lambda own, one: _fitted(own, one, known[one.instance.label]), chosen)
+    return [_better_known(continuation, one) for one in made]
 
 
 def _elsewhere(instance: EffectInstance, own: Array) -> EffectInstance:
@@ -129,10 +125,13 @@ def _elsewhere(instance: EffectInstance, own: Array) -> EffectInstance:
 
 
 def _fitted(continuation: Continuation, one: ScoreTest, instance: EffectInstance) -> Fit:
-    """The fit of the instance from a score test, or a known one of the same set if that is better."""
     hypothesis = one.hypothesis.without(instance.label).with_instance(instance)
-    made = fit(continuation.problems[0], hypothesis, one.x, one.states, options().stage_steps[0])
-    known = continuation.fits.get((0, hypothesis.label))
+    return fit(continuation.problems[0], hypothesis, one.x, one.states, options().stage_steps[0])
+
+
+def _better_known(continuation: Continuation, made: Fit) -> Fit:
+    """The fit, kept, or a known one of the same set if that is better."""
+    known = continuation.fits.get((0, made.hypothesis.label))
     if known is not None and known.chi2 <= made.chi2:
         return known
     continuation.begin_again(made)

@@ -16,6 +16,7 @@ from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step, fit_st
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis, neutral_of
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.frequency_scan import wave_starts
+from swamp_rl.criticism.threads import each
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -45,8 +46,9 @@ def score_tests(problem: Shooting, at: Fit, instances: Sequence[EffectInstance])
     instances = [one for one in instances if one.label not in own and at.hypothesis.is_beside(one)]
     base, where = _base_of(problem, at), (at.hypothesis, at.x, at.states)
     by_x = base.once("by x", lambda: parameter_jacobian(problem, *where, problem.track(*where)))
-    added = [_Added(base, instance, by_x) for instance in instances]
-    return sorted(map(_score_test, added), key=lambda one: one.expected_chi2)
+    made = each(lambda instance: _score_test(_Added(base.apart(), instance, by_x)), instances)
+    problem.boat_steps[0] += sum(steps for _, steps in made)
+    return sorted((one for one, _ in made), key=lambda one: one.expected_chi2)
 
 
 def score_tests_from_neutral(
@@ -83,6 +85,10 @@ class _Base:
         self.known[key] = count[0] - before, made
         return made
 
+    def apart(self) -> "_Base":
+        """The same for another thread: what is computed once stays common, boat steps count apart."""
+        return replace(self, problem=self.problem.apart())
+
 
 def _base_of(problem: Shooting, at: Fit) -> _Base:
     base = next((one for one in problem.scores if one.at is at), None)
@@ -117,9 +123,10 @@ class _Added:
         return x
 
 
-def _score_test(added: _Added) -> ScoreTest:
-    base, instance = added.base, added.instance
-    return base.once(instance, lambda: _of_best_start(added))
+def _score_test(added: _Added) -> tuple[ScoreTest, int]:
+    """The score test, and the boat steps that it took or once has taken."""
+    made = added.base.once(added.instance, lambda: _of_best_start(added))
+    return made, added.base.problem.boat_steps[0]
 
 
 def _of_best_start(added: _Added) -> ScoreTest:

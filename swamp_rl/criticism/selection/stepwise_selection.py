@@ -20,6 +20,8 @@ from swamp_rl.criticism.selection.backward_elimination import Selection, nested,
 from swamp_rl.criticism.selection.continuation import Continuation
 from swamp_rl.criticism.selection.information_criterion import information_criterion
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests
+from swamp_rl.criticism.selection.side_by_side import side_by_side
+from swamp_rl.criticism.threads import each
 
 Array = NDArray[np.float64]
 
@@ -43,7 +45,7 @@ def select_under_model_error(
     tests = RatioTests(run_set, weight, len(every))
     nothing = Hypothesis(), np.zeros(0)
     beside = [nothing, *([(closest.hypothesis, closest.x)] if closest else [])]
-    errors = [model_error(run_set, weight, *one, options().model_error_short) for one in beside]
+    errors = each(lambda one: model_error(run_set, weight, *one, options().model_error_short), beside)
     found = _selected(min(errors, key=lambda one: one.volume), every, tests)
     if found[2].winner.hypothesis.instances:
         return found
@@ -140,8 +142,7 @@ def _forward_selection(
         # of an effect without a number the score is no guide: it is a jump
         discrete = [one for one in likely[options().shortlist :] if not one.instance.size and not singles]
         likely = [*likely[: options().shortlist], *discrete]
-        made = [continuation.fit(0, one.hypothesis, one.x, at.states) for one in likely]
-        made = [_with_its_nuisance(continuation, one, instances) for one in made]
+        made = side_by_side(continuation, partial(_fitted, states=at.states, instances=instances), likely)
         singles = singles or made
         confirmed_fits = [
             one
@@ -153,6 +154,13 @@ def _forward_selection(
         best = min(confirmed_fits, key=lambda one: _held_out_loss(continuation, one))
         at = _simplest(continuation, best, confirmed_fits)
     return at, first, singles
+
+
+def _fitted(
+    continuation: Continuation, score: ScoreTest, states: Array, instances: Sequence[EffectInstance]
+) -> Fit:
+    made = continuation.fit(0, score.hypothesis, score.x, states)
+    return _with_its_nuisance(continuation, made, instances)
 
 
 def _with_its_nuisance(continuation: Continuation, one: Fit, instances: Sequence[EffectInstance]) -> Fit:
@@ -263,7 +271,9 @@ def _eliminated(
     """
     problem, comparisons = continuation.problems[0], tests.comparisons
     while True:
-        less = {one: without(continuation, best, one.label, 0) for one in best.hypothesis.instances}
+        every = best.hypothesis.instances
+        fits = side_by_side(continuation, lambda own, one: without(own, best, one.label, 0), every)  # noqa
+        less = dict(zip(every, fits, strict=True))
         found = {one: confirmation(problem, best, other, comparisons) for one, other in less.items()}
         doubtful = [one for one, held in found.items() if not (held.holds or tests.decide(one))]
         if not doubtful:
