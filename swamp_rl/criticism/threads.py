@@ -54,7 +54,10 @@ def each(work: Callable[[T], R], items: Sequence[T]) -> list[R]:
 
     with ThreadPoolExecutor(threads) as pool, _often_switched():
         begun = [pool.submit(copy_context().run, inside, one) for one in items]
-        return [one.result() for one in begun]
+        try:
+            return [one.result() for one in begun]
+        finally:  # after an error, or Ctrl-C, the others are not begun
+            pool.shutdown(wait=False, cancel_futures=True)
 
 
 def _most_threads() -> int:

@@ -1,6 +1,7 @@
 """Items that are worked on in threads."""
 
 import sys
+import time
 from threading import Barrier, get_ident
 
 import numba
@@ -62,3 +63,18 @@ def test_threads_give_way_as_before_once_the_work_is_done(monkeypatch: pytest.Mo
     before = sys.getswitchinterval()
     during = each(lambda _: sys.getswitchinterval(), range(2))
     assert max(during) < before == sys.getswitchinterval()
+
+
+def test_after_an_error_no_other_item_is_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 2)
+    begun = list[int]()
+
+    def work(item: int) -> None:
+        begun.append(item)
+        if item == 0:
+            raise KeyboardInterrupt
+        time.sleep(0.02)
+
+    with pytest.raises(KeyboardInterrupt):
+        each(work, range(200))
+    assert len(begun) < 200
