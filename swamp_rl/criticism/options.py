@@ -66,6 +66,7 @@ class Options:
     zig_zag_period: float = 12.0  # s of a zig-zag
     # ---- Threads
     thread_steps: int = 1_500  # boat steps that are worth a thread: about 1 ms
+    most_together: int = 4  # threads of Python: its lock is held for a third of their time
     switch_interval: float = 5e-4  # s until a thread gives way to another, a tenth of a simulation's time
     actuator_share: int = 5  # steps of actuators alone that take as long as one of a boat
     slope_share: int = 300  # numbers of a Jacobian that take as long as one

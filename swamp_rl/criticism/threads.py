@@ -16,8 +16,8 @@ from swamp_rl.criticism.options import options
 T = TypeVar("T")
 R = TypeVar("R")
 
-INSIDE: ContextVar[bool] = ContextVar("INSIDE", default=False)
-"""Whether this is a thread of `each`, whose work is not divided again."""
+SHARE: ContextVar[int | None] = ContextVar("SHARE", default=None)
+"""Threads that a thread of `each` may divide its own work among; None elsewhere: numba's number of them."""
 
 
 def divided(part: Callable[[slice], None], count: int, steps: int) -> None:
@@ -41,15 +41,17 @@ def divided(part: Callable[[slice], None], count: int, steps: int) -> None:
 
 
 def each(work: Callable[[T], R], items: Sequence[T]) -> list[R]:
-    """The results of work on each item, on numba's number of threads: for work that shares no state and is
-    long beside the start of a thread. Each thread has the options and NumPy's error handling of the caller.
+    """The results of work on each item, on at most `most_together` threads, among which numba's are shared:
+    for work that shares no state and is long beside the start of a thread. Each thread has the options and
+    NumPy's error handling of the caller.
     """
-    threads = min(_most_threads(), len(items))
+    available = _most_threads()
+    threads = min(available, len(items), options().most_together)
     if threads < 2:
         return [work(one) for one in items]
 
     def inside(item: T) -> R:
-        INSIDE.set(True)
+        SHARE.set(available // threads)
         return work(item)
 
     with ThreadPoolExecutor(threads) as pool, _often_switched():
@@ -61,7 +63,8 @@ def each(work: Callable[[T], R], items: Sequence[T]) -> list[R]:
 
 
 def _most_threads() -> int:
-    return 1 if INSIDE.get() else numba.config.NUMBA_NUM_THREADS
+    share = SHARE.get()
+    return numba.config.NUMBA_NUM_THREADS if share is None else share
 
 
 @contextmanager

@@ -31,15 +31,19 @@ def test_one_thread_or_item_begins_no_thread(
     assert each(lambda _: get_ident(), range(items)) == [get_ident()] * items
 
 
-def test_work_in_a_thread_is_not_divided_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 2)
+@pytest.mark.parametrize(("threads", "parts"), [(2, 1), (5, 1), (8, 2)])
+def test_work_in_a_thread_is_divided_among_its_share_of_the_threads(
+    threads: int, parts: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", threads)
 
-    def work(item: int) -> tuple[bool, list[slice]]:
-        parts = list[slice]()
-        divided(parts.append, 8, 10**9)
-        return each(lambda _: get_ident(), range(3)) == [get_ident()] * 3, parts
+    def work(item: int) -> int:
+        made = list[slice]()
+        divided(made.append, 8, 10**9)
+        return len(made)
 
-    assert each(work, range(4)) == [(True, [slice(0, 8)])] * 4
+    with using(most_together=4):
+        assert each(work, range(6)) == [parts] * 6
 
 
 def test_parts_cover_every_item_once_and_an_error_in_one_reaches_the_caller(
