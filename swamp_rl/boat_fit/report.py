@@ -51,6 +51,7 @@ def page_of(found: Identification) -> str:
                 ("number", "start", "identified", "±", "prior ±", "unit", "information"),
                 number_rows(found.fitted),
                 numbers=(1, 2, 3, 4),
+                unbroken=(5, 6),
             ),
             "<h2>Residual</h2>",
             table(("channel", "noise", "residual", "unit"), residual_rows(found), numbers=(1, 2)),
@@ -78,7 +79,7 @@ def summary(found: Identification) -> list[str]:
             f"`--commands-earlier {found.wiring.advance:g}`."
         )
     if found.level.standard_error > 0.0:
-        level = f"{found.level.mean:.3f} ± {found.level.standard_error:.3f} (one standard error)"
+        level = with_error(found.level.mean, found.level.standard_error)
         lines.append(
             f"All thrusts are multiplied by {level}, the mean thrust factor of the fitted runs (effect "
             "`thrust_scale`)."
@@ -161,13 +162,18 @@ def moving_water(found: Identification) -> list[str]:
     ]
 
 
+def with_error(value: float, error: float) -> str:
+    """A number and its standard error."""
+    return f"{known(value, error)} ± {digits(error, 2)} (one standard error)"
+
+
 def unlike_runs(found: Identification) -> list[str]:
     """Runs that are not like the others, in a sentence each."""
     return [
         *(
-            f"{one.name}: the thrust factor is {one.share:.2f} ± {one.standard_error:.2f} (one "
-            "standard error), unlike in most runs. Possible causes: weed, towing, a weak battery, lost "
-            f"commands. The run is {_use(one, found)}."
+            f"{one.name}: the thrust factor is {with_error(one.share, one.standard_error)}, unlike in most "
+            "runs. Possible causes: weed, towing, a weak battery, lost commands. The run is "
+            f"{_use(one, found)}."
             for one in found.unlike.thrust
         ),
         *(
