@@ -82,11 +82,11 @@ def minus(digits: str) -> str:
     return digits.replace("-", "−")
 
 
-def places_of(value: float) -> int:
-    """Decimals that show three digits of a value."""
+def places_of(value: float, digits: int = 3) -> int:
+    """Decimals that show so many digits of a value, five at most."""
     if value == 0.0 or not math.isfinite(value):
         return 0
-    return min(max(0, 2 - math.floor(math.log10(abs(value)))), 5)
+    return min(max(0, digits - 1 - math.floor(math.log10(abs(value)))), 5)
 
 
 def rounded(value: float) -> str:

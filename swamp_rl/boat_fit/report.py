@@ -18,7 +18,7 @@ from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.likelihood.prediction_error import TRIVIAL
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.digits import digits, known
-from swamp_rl.html_page import document, prose, table
+from swamp_rl.html_page import document, places_of, prose, table
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
 HEADS = tuple(name.replace("_", " ") for name in TRIVIAL)
@@ -163,8 +163,9 @@ def moving_water(found: Identification) -> list[str]:
 
 
 def with_error(value: float, error: float) -> str:
-    """A number and its standard error."""
-    return f"{known(value, error)} ± {digits(error, 2)} (one standard error)"
+    """A number and its standard error, to the second digit of that."""
+    places = places_of(error, 2) or places_of(value, 2)
+    return f"{value:.{places}f} ± {error:.{places}f} (one standard error)"
 
 
 def unlike_runs(found: Identification) -> list[str]:
