@@ -88,6 +88,14 @@ class Diagnoser:
         seconds, message = self.process.stdout.readline().rstrip("\n").split("\t")
         return float(seconds), "" if message == "done" else message
 
+    def wall_time(self, data: Path, answer: Path, boat: str) -> float:
+        """Wall time [s] of a diagnosis; SystemExit at a fault."""
+        begun = time.perf_counter()
+        _, fault = self.diagnose(data, answer, boat)
+        if fault:
+            raise SystemExit(f"{data.name}: {fault}")
+        return time.perf_counter() - begun
+
 
 workers = threading.local()
 
@@ -121,11 +129,8 @@ def time_again(out: Path, least: float) -> None:
     both = Diagnoser(threads=2)
     for path in slow[:1] + slow:  # the first one twice, since it compiles
         boat = json.loads((out / "truth" / path.name).read_text()).get("boat", "swamp")
-        begun = time.perf_counter()
-        _, fault = both.diagnose(out / "data" / path.stem, out / "again" / path.stem, boat)
-        if fault:
-            raise SystemExit(f"{path.stem}: {fault}")
-        kept = json.loads(path.read_text()) | {"alone_s": time.perf_counter() - begun}
+        seconds = both.wall_time(out / "data" / path.stem, out / "again" / path.stem, boat)
+        kept = json.loads(path.read_text()) | {"alone_s": seconds}
         path.write_text(json.dumps(kept))
         print(path.stem, f"{kept['processor_s']:.1f} s of a core, {kept['alone_s']:.1f} s alone", flush=True)
     both.process.terminate()

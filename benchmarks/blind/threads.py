@@ -8,7 +8,6 @@ cores or more, and writes a table of docs/criticism.md. The answers must be the 
 
 import argparse
 import json
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -25,15 +24,6 @@ THREADS = (1, 2)
 UNCOMPARED = {"elapsed_s"}
 
 
-def seconds(diagnoser: Diagnoser, data: Path, answer: Path) -> float:
-    """Wall time [s] of a diagnosis."""
-    begun = time.perf_counter()
-    _, fault = diagnoser.diagnose(data, answer, "swamp")
-    if fault:
-        raise SystemExit(f"{data.name}: {fault}")
-    return time.perf_counter() - begun
-
-
 def answer_of(folder: Path) -> dict[str, object]:
     """A diagnosis without its time."""
     found = json.loads((folder / "diagnosis.json").read_text())
@@ -47,7 +37,8 @@ def timed(cases: Sequence[tuple[int, str]], out: Path) -> list[list[float]]:
     for number, level in [cases[0], *cases]:
         name, (data, _) = name_of(number, level), written(number, level, out)
         answers = [out / f"threads_{threads}" / name for threads in THREADS]
-        made.append([seconds(*one) for one in zip(diagnosers, [data] * len(THREADS), answers, strict=True)])
+        pairs = zip(diagnosers, answers, strict=True)
+        made.append([diagnoser.wall_time(data, answer, "swamp") for diagnoser, answer in pairs])
         if answer_of(answers[0]) != answer_of(answers[1]):
             raise SystemExit(f"{name}: another answer with two threads; see {answers[1]}")
         print(name, *(f"{one:.1f} s" for one in made[-1]), flush=True)

@@ -79,7 +79,7 @@ class Shooting:
         # the last ones, by windows and steps, records and starts; None: not kept
         self.tracks: dict[tuple[bytes, ...], Array] | None = {}
         self.histories: dict[tuple[str, bytes], Array] = {}
-        self.kept = Lock()  # held while `tracks` and `histories` change
+        self.cache_lock = Lock()  # held while `tracks` and `histories` change
         self.last_records: list[Any] = []  # hypothesis, numbers and what `_records` made of them
         self.last_slopes: list[Any] = []  # the same of `state_jacobian`, by window and initial state
         self.scores: list[Any] = []  # fits, and what `score_tests` computed beside them
@@ -166,7 +166,7 @@ class Shooting:
             records = hypothesis.records(self.boat, x[None], self.record, self.run_set.origins)
             commands, parts = self.run_set.commands_of_parts, self.run_set.parts
             found = actuator_states(records, commands, self.last, self.dt, parts=parts)
-            with self.kept:
+            with self.cache_lock:
                 put_last(self.histories, {key: found}, options().most_histories)
         return found
 
@@ -209,14 +209,14 @@ class Shooting:
         keys: list[tuple[bytes, ...]] = [
             (where, boats[v % len(boats)], one.tobytes()) for v, one in enumerate(start)
         ]
-        with self.kept:
+        with self.cache_lock:
             found = {key: self.tracks[key] for key in keys if key in self.tracks}
         new = np.array([key not in found for key in keys])
         if new.any():
             boats_of_new = records[new] if len(records) > 1 else records
             made = simulated(boats_of_new, start[new])
             found |= zip((keys[v] for v in np.flatnonzero(new)), made, strict=True)
-        with self.kept:
+        with self.cache_lock:
             put_last(self.tracks, found, options().most_tracks)
         return np.stack([found[key] for key in keys])
 

@@ -1,4 +1,4 @@
-"""Work on one continuation that does not build on each other, in threads."""
+"""Independent work on one continuation, in threads."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -272,7 +272,7 @@ def _eliminated(
     problem, comparisons = continuation.problems[0], tests.comparisons
     while True:
         every = best.hypothesis.instances
-        fits = side_by_side(continuation, lambda own, one: without(own, best, one.label, 0), every)  # noqa
+        fits = side_by_side(continuation, partial(_without, best=best), every)
         less = dict(zip(every, fits, strict=True))
         found = {one: confirmation(problem, best, other, comparisons) for one, other in less.items()}
         doubtful = [one for one, held in found.items() if not (held.holds or tests.decide(one))]
@@ -282,6 +282,10 @@ def _eliminated(
         if not doubtful:
             return best, {one.label: held for one, held in found.items()}
         best = less[min(doubtful, key=lambda one: found[one].low)]
+
+
+def _without(continuation: Continuation, instance: EffectInstance, best: Fit) -> Fit:
+    return without(continuation, best, instance.label, 0)
 
 
 def most_likely(
