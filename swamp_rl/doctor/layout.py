@@ -113,19 +113,23 @@ def lagged(values: Array, lag: float, rate: float, step: float) -> Array:
 
 
 def demanded(columns: Mapping[str, Array], places: list[Place]) -> tuple[Array, Array]:
-    """(T,) force ahead and (T,) yaw moment that commands ask for, in units of their own: thrust as the square
-    of the level (propeller law at rest), moments with lengths of the boat; a rudder's as the sine of its
-    angle in a stream half of which is the propeller's race."""
-    total, moment = np.zeros(1), np.zeros(1)
+    """(T, 2) force ahead and (T, 2) yaw moment that commands ask for, in units of their own.
+
+    Thrust as the level (a drive whose thrust is controlled) and as its square (propeller law at rest): curves
+    of thrust lie between them. Moments with lengths of the boat; a rudder's as the sine of its angle in a
+    stream half of which is the propeller's race.
+    """
+    total, moment = np.zeros((1, 2)), np.zeros((1, 2))
     for place in places:
         level = columns[place.level]
         size = float(np.abs(level).max()) or 1.0 if place.rudder else 1.0
-        thrust = np.abs(level / size) * level / size
+        thrust = np.column_stack([level, np.abs(level) * level / size]) / size
         angle = np.full(len(level), place.fixed) if place.angle is None else columns[place.angle]
+        ahead, aside = np.cos(angle)[:, None], np.sin(angle)[:, None]
         if place.rudder:
             total = total + thrust
-            moment = moment - place.x * np.sin(angle) * (0.5 + 0.5 * np.abs(thrust))
+            moment = moment - place.x * aside * (0.5 + 0.5 * np.abs(thrust))
             continue
-        total = total + thrust * np.cos(angle)
-        moment = moment + thrust * (place.x * np.sin(angle) - place.y * np.cos(angle))
+        total = total + thrust * ahead
+        moment = moment + thrust * (place.x * aside - place.y * ahead)
     return total, moment

@@ -2,8 +2,9 @@
 
 Equation error (Ljung 1999, section 7): the yaw acceleration is regressed on the moment that the commands
 ask for and on the yaw rate, the surge acceleration on the force ahead and on the drag, over a window that
-averages the noise. Each exchange of columns, change of sign and shift of time is one hypothesis; the commands
-as logged are kept unless another has the greater likelihood by far.
+averages the noise. Thrust is a sum of the level and its square with positive coefficients. Each exchange of
+columns, change of sign and shift of time is one hypothesis; the commands as logged are kept unless another
+has the greater likelihood by far.
 """
 
 import itertools
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 
 from swamp_rl.boat import Boat
 from swamp_rl.doctor.finding import Finding
@@ -216,13 +218,18 @@ def _negated(names: Sequence[str]) -> Callable[[Columns], Columns]:
 
 
 def _demands(answers: Sequence[Answers], places: list[Place], hypothesis: Hypothesis) -> list[Pair]:
-    """Yaw moment and force ahead (T,) that the commands of each run ask for, smoothed as the motion is."""
+    """Yaw moment and force ahead (T, 2) that the commands of each run ask for, smoothed as the motion is."""
     found = []
     for answer in answers:
         columns = hypothesis.undo(answer.motion.run.columns)
         force, moment = demanded(followed(columns, places, answer.motion.step), places)
-        found.append((mean(moment, answer.yaw.rows), mean(force, answer.surge.rows)))
+        found.append((_smoothed(moment, answer.yaw.rows), _smoothed(force, answer.surge.rows)))
     return found
+
+
+def _smoothed(laws: Array, rows: int) -> Array:
+    """Means (T, 2) of both laws of thrust."""
+    return np.column_stack([mean(law, rows) for law in laws.T])
 
 
 def _score(answers: Sequence[Answers], demands: Sequence[Pair], shift: float) -> tuple[float, float]:
@@ -241,7 +248,7 @@ def _score(answers: Sequence[Answers], demands: Sequence[Pair], shift: float) ->
                 continue
             v, u = own.velocity[used], answer.surge.velocity[used]
             damping = np.abs(v) * v if axis else u * v
-            asked = np.roll(pair[axis], rows)[used]
+            asked = np.roll(pair[axis], rows, axis=0)[used]
             thin = max(1, own.rows // 4)
             table = np.column_stack([own.acceleration[used], asked, v, damping, np.ones_like(v)])
             parts.append(table[::thin])
@@ -253,16 +260,17 @@ def _score(answers: Sequence[Answers], demands: Sequence[Pair], shift: float) ->
 
 
 def _explained(table: Array) -> float:
-    """Share of the first column's variance that the second explains beyond the others, 0 if negative."""
-    rest = table[:, 2:]
-    left = table[:, :2] - rest @ np.linalg.lstsq(rest, table[:, :2], rcond=None)[0]
-    target, demand = left.T
-    both, own = float(target @ demand), float(demand @ demand)
-    whole = float(target @ target)
+    """Share of the first column's variance that the second and the third explain beyond the others, with
+    coefficients that are not negative (Lawson and Hanson 1974)."""
+    rest = table[:, 3:]
+    left = table[:, :3] - rest @ np.linalg.lstsq(rest, table[:, :3], rcond=None)[0]
+    sizes = np.linalg.norm(left, axis=0)
     # Demands that the other columns explain leave a rounding error only.
-    if both <= 0.0 or whole == 0.0 or own <= 1e-9 * float(table[:, 1] @ table[:, 1]):
+    kept = sizes[1:] > 3e-5 * np.linalg.norm(table[:, 1:3], axis=0)
+    if sizes[0] == 0.0 or not kept.any():
         return 0.0
-    return min(both * both / (own * whole), 1.0 - 1e-9)
+    target, demands = left[:, 0] / sizes[0], left[:, 1:][:, kept] / sizes[1:][kept]
+    return min(1.0 - nnls(demands, target)[1] ** 2, 1.0 - 1e-9)
 
 
 def _latest(answers: Sequence[Answers], demands: Sequence[Pair]) -> tuple[float, float, float]:
