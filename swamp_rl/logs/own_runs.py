@@ -7,7 +7,7 @@ from swamp_rl.logs.expression import Name
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.mapping import Mapping
 from swamp_rl.runs.import_foreign import Foreign
-from swamp_rl.runs.schema import DatasetMeta, RunMeta
+from swamp_rl.runs.schema import DatasetMeta, RunMeta, entries_of
 
 
 def own_mapping(log: Log, given: Mapping) -> Mapping:
@@ -20,7 +20,7 @@ def own_mapping(log: Log, given: Mapping) -> Mapping:
 def with_own_entries(found: Foreign, log: Log, dataset: DatasetMeta, given: Mapping) -> Foreign:
     """The run with the dataset's boat and its entries there, without the axes of velocities that the given
     mapping makes."""
-    own = next((run.model_dump() for run in dataset.runs if run.file == log.file), {})
+    own = entries_of(dataset, log.file).model_dump()
     if VELOCITY & given.columns.keys():
         own.pop("velocity_axes", None)
     entries = {key: value for key, value in found.meta.model_dump().items() if value is not None}

@@ -24,7 +24,7 @@ from swamp_rl.runs.import_telemetry import read_telemetry
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.run import Run
-from swamp_rl.runs.schema import META, DatasetMeta, RunMeta, Source
+from swamp_rl.runs.schema import META, DatasetMeta, Source, entries_of
 from swamp_rl.runs.table import read_table
 from swamp_rl.runs.writer import append_runs, create_dataset
 from swamp_rl.sums import refuse_changed_files
@@ -352,7 +352,7 @@ def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None, wishes: Wis
         ours = {theirs: our for our, theirs in wishes.renamed.items()}
         angles = [name for name in table.columns if is_angle(ours.get(name, name))]
         return Foreign(str(path), path.stem, without_marks(path.name, table, angles))
-    meta = next((run for run in dataset.runs if run.file == path.name), RunMeta())
+    meta = entries_of(dataset, path.name)
     return Foreign(str(path), path.stem, table, meta, dataset, home=path.parent)
 
 

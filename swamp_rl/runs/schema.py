@@ -46,6 +46,8 @@ OF_THE_START = ("seed", "initial_state", "gust_seed", "earlier_commands")
 """Entries of a run from which it is replayed from its first row on."""
 OF_THE_WHOLE = ("outcome", "gates", "seconds")
 """Entries that tell how all of a run went."""
+FOUND_ANEW = ("commands", "unknown_columns")
+"""Remarks of an import on the columns that it lacks or does not know, under its boat and mapping."""
 
 
 def of_part(metadata: Mapping[str, Any], first: bool, last: bool) -> dict[str, Any]:
@@ -128,3 +130,9 @@ def meta_of(boat: Boat, vehicle: str | Path, rate: float, source: Source, **more
         source=source,
         **more,
     )
+
+
+def entries_of(dataset: DatasetMeta, file: str) -> RunMeta:
+    """What a dataset says of the run in a file of it, without what each import tells anew."""
+    found = next((run.model_dump() for run in dataset.runs if run.file == file), {})
+    return RunMeta.model_validate({key: value for key, value in found.items() if key not in FOUND_ANEW})

@@ -8,7 +8,7 @@ import pytest
 from swamp_rl.logs.import_logs import Reading, import_logs
 from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
-from swamp_rl.runs.import_dataset import About
+from swamp_rl.runs.import_dataset import About, import_runs
 from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from tests.support.from_scratch import written
@@ -53,3 +53,23 @@ def test_rows_that_are_kept_are_runs_with_all_their_columns(tmp_path: Path) -> N
     runs = again(tmp_path, "keep=where(abs(time - 5) > 0.15, 1, 0)")
     assert [(run.name, len(run.time)) for run in runs] == [("trip-1", 49), ("trip-2", 48)]
     assert runs[1].columns["north"][0] == pytest.approx(5.2)
+
+
+def test_commands_that_a_first_import_lacked_are_not_called_missing_by_the_second(tmp_path: Path) -> None:
+    twin = str(written(tmp_path, "twin"))
+    zero = np.zeros(100)
+    with_demand = {"time": TIME, "north": TIME, "east": zero, "heading": zero, "demand": 0.01 * TIME}
+    rows = np.column_stack(list(with_demand.values()))
+    np.savetxt(tmp_path / "trip.csv", rows, "%.3f", ",", header=",".join(with_demand), comments="")
+    north = Reading(mapping_of([f"{name}={name}" for name in list(with_demand)]))
+    about, wishes = About(boat=twin), Wishes()
+    first = import_logs([tmp_path / "trip.csv"], "csv", tmp_path / "first", about, wishes, north)
+    entries = first.runs[0].model_dump()
+    assert "demand" in entries["unknown_columns"]
+
+    both = Reading(mapping_of(["throttle_port=demand", "throttle_starboard=demand"]))
+    second = import_logs([tmp_path / "first"], "parquet", tmp_path / "second", About(), wishes, both)
+    assert "commands" not in second.runs[0].model_dump()
+    fewer = Wishes(dropped=("demand",))
+    third = import_runs([tmp_path / "second"], "parquet", tmp_path / "third", wishes=fewer)
+    assert "unknown_columns" not in third.runs[0].model_dump()
