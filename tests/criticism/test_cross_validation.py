@@ -1,12 +1,19 @@
 """Folds of the cross-validation, and restarts of fits that have not converged."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.windows import Windows
-from swamp_rl.criticism.likelihood.cross_validation import bootstrap_quantile, folds_of
-from swamp_rl.criticism.model.candidates import Hypothesis, candidates
+from swamp_rl.criticism.likelihood.cross_validation import (
+    bootstrap_quantile,
+    folds_of,
+    heldout_loss,
+    heldout_numbers,
+)
+from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.selection.continuation import continuation_of
 from swamp_rl.criticism.selection.score_test import score_tests
 from tests.support.criticism import SECONDS, simulated_runs
@@ -70,3 +77,20 @@ def test_an_asymmetric_hull_is_fitted_though_windows_diverge(moment: float) -> N
         made = continuation.restarted(made)
     assert made.chi2 < 1.1 * continuation.problems[0].samples
     assert made.x == pytest.approx([moment], rel=0.01)
+
+
+def test_numbers_and_losses_of_held_out_runs_are_finite_where_a_jacobian_diverged() -> None:
+    found = simulated_runs([{"effect": "resistance", "scale": 1.2}])
+    continuation = continuation_of(found, weights(found, noise_levels(found)))
+    hypothesis = Hypothesis((by_label(candidates(found.boat, SECONDS))["resistance"],))
+    made = continuation.fit(0, hypothesis, np.array([1.2]))
+    first = continuation.problems[0].windows.run == 0
+    information = np.where(first[:, None, None], np.nan, made.normal.information)
+    diverged = replace(made, normal=replace(made.normal, information=information))
+    numbers = heldout_numbers(continuation.problems[0], diverged)
+    known = heldout_numbers(continuation.problems[0], made)
+    assert numbers[0] == pytest.approx(known[0])
+    assert numbers[1:].ravel() == pytest.approx(np.repeat(made.x, len(numbers) - 1))
+    losses = heldout_loss(continuation.problems[0], diverged)
+    assert losses[first] == pytest.approx(made.loss[first])
+    assert np.isfinite(losses).all()

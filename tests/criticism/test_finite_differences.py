@@ -34,3 +34,17 @@ def test_jacobians_of_whole_runs_are_those_of_their_finer_steps_with_less_simula
     assert np.linalg.norm(by_state - state_of_finer) < 2e-3 * np.linalg.norm(state_of_finer)
     assert np.linalg.norm(by_x - x_of_finer) < 2e-3 * np.linalg.norm(x_of_finer)
     assert steps < 0.85 * steps_of_finer
+
+
+def test_jacobians_are_finite_where_whole_runs_diverge_in_the_simulators_own_steps() -> None:
+    """As of a fit whose clock is a third of a second off: it begins with velocities that no boat has."""
+    runs = simulated_runs([{"effect": "resistance", "scale": 1.2}])
+    problem = Shooting(runs, weights(runs, noise_levels(runs)), math.inf)
+    hypothesis = Hypothesis((by_label(candidates(runs.boat, SECONDS))["clock_offset"],))
+    states = problem.initial_states()
+    states[:, 3:] = 13.8, -9.2, 3.1
+    where = hypothesis, np.array([-0.35]), states
+    base, own = problem.track(*where), problem.integrated_in(problem.jacobian_substeps).track(*where)
+    assert np.isfinite(base).all() and not np.isfinite(own).all()
+    assert np.isfinite(state_jacobian(problem, *where, base)).all()
+    assert np.isfinite(parameter_jacobian(problem, *where, base)).all()

@@ -28,7 +28,8 @@ def heldout_loss(problem: Shooting, at: Fit) -> Array:
     for run in np.unique(runs):
         mine = runs == run
         step = _newton_step(at, ~mine)
-        loss[mine] += -2.0 * g[mine] @ step + np.einsum("wij,i,j->w", H[mine], step, step)
+        change = -2.0 * g[mine] @ step + np.einsum("wij,i,j->w", H[mine], step, step)
+        loss[mine] += np.where(np.isfinite(change), change, 0.0)  # not where a Jacobian diverged
     return loss
 
 
@@ -64,7 +65,7 @@ def heldout_numbers(problem: Shooting, at: Fit) -> Array:
         others, H = (at.normal.information[chosen].sum(axis=0) for chosen in (~mine, mine))
         own = (np.diag(others) == 0.0) & (at.hypothesis.prior()[1] == 0.0)
         g = at.normal.gradient[mine].sum(axis=0) - H[:, ~own] @ (x - at.x)[~own]
-        x[own] = np.clip(x[own] + inverse(H[np.ix_(own, own)]) @ g[own], low[own], high[own])
+        x[own] = np.clip(x[own] + _solved(H[np.ix_(own, own)], g[own]), low[own], high[own])
     return numbers
 
 
@@ -81,7 +82,13 @@ def _newton_step(at: Fit, chosen: NDArray[np.bool_]) -> Array:
     """(p,) from a fit towards that to the chosen windows (W,) alone."""
     mean, precision = at.hypothesis.prior()
     H = at.normal.information[chosen].sum(axis=0) + np.diag(precision)
-    return np.asarray(inverse(H) @ (at.normal.gradient[chosen].sum(axis=0) - precision * (at.x - mean)))
+    return _solved(H, at.normal.gradient[chosen].sum(axis=0) - precision * (at.x - mean))
+
+
+def _solved(H: Array, g: Array) -> Array:
+    """(p,) Newton's step for information H and gradient g, none where a Jacobian diverged."""
+    known = np.isfinite(H).all() and np.isfinite(g).all()
+    return np.asarray(inverse(H) @ g) if known else np.zeros(len(g))
 
 
 def judged_numbers(problem: Shooting, at: Fit, runs: int, others: bool) -> tuple[Hypothesis, Array]:

@@ -127,12 +127,13 @@ def _moved_from(
     block: int,
 ) -> tuple[Array, Array]:
     """Predictions for moved x (V, p) and states (V, W, 6), and what these are compared with: `base` at x and
-    states, or the same in the simulator's own steps where the problem's are finer.
+    states; both in the simulator's own steps where the problem's are finer, unless one diverges in those.
     """
-    if problem.substeps <= problem.jacobian_substeps:
-        forces = np.tile(acceleration, (len(moved), 1, 1))
-        return problem.predict(hypothesis, moved, begun, forces, block), base
-    coarse = problem.integrated_in(problem.jacobian_substeps)
-    moved, begun = np.concatenate([x[None], moved]), np.concatenate([states[None], begun])
-    every = coarse.predict(hypothesis, moved, begun, np.tile(acceleration, (len(moved), 1, 1)), block)
-    return every[1:], every[0]
+    if problem.substeps > problem.jacobian_substeps:
+        coarse = problem.integrated_in(problem.jacobian_substeps)
+        numbers, starts = np.concatenate([x[None], moved]), np.concatenate([states[None], begun])
+        forces = np.tile(acceleration, (len(numbers), 1, 1))
+        every = coarse.predict(hypothesis, numbers, starts, forces, block)
+        if np.isfinite(every).all():
+            return every[1:], every[0]
+    return problem.predict(hypothesis, moved, begun, np.tile(acceleration, (len(moved), 1, 1)), block), base
