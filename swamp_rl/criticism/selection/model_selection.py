@@ -136,9 +136,11 @@ def _with_reconstruction(
         continuation, fit_by_continuation(continuation, Hypothesis(), np.zeros(0)), logged
     )
     if other is not None:
-        run_set = replace(other, gaps=run_set.gaps)
-        continuation = continuation_of(run_set, weight)
-        tried.append(continuation)
+        moved = replace(other, gaps=run_set.gaps)
+        beside = continuation_of(moved, weight)
+        tried.append(beside)
+        if beside.is_adequate(LAST, beside.boat_file(LAST)):
+            run_set, continuation = moved, beside
     if run_set.gauss_markov is None and _is_position_noise_suspected(continuation):
         step_budget = min(step_budget, options().step_budget_suspected)
     sufficient = partial(_sufficient_nuisance, logged=logged, deep=deep or run_set.gauss_markov is not None)

@@ -1,0 +1,25 @@
+"""Blind cases that a search once answered wrongly, and why."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.blind.cases import written
+from swamp_rl.boat import load_boat
+from swamp_rl.criticism.data.run_set import read_run_set
+from swamp_rl.criticism.diagnose import examine
+
+pytestmark = [pytest.mark.slow, pytest.mark.numerical]
+
+
+def test_moved_commands_that_middle_windows_allow_and_whole_runs_do_not_hide_no_effect(
+    tmp_path: Path,
+) -> None:
+    """An asymmetric drag in gate runs: beside instants of their own the boat file leaves noise in windows of
+    20 s, but not in whole runs, which the effect explains by 5,700 of chi2."""
+    data, _ = written(34120, "C", tmp_path)
+    found = examine(read_run_set(data, load_boat("swamp")), None, np.random.default_rng(0)).diagnosis
+    assert found.verdict == "cause" and [cause.effect for cause in found.causes] == ["drag_asymmetry"]
+    port = found.causes[0].parameters["port"]
+    assert port.value == pytest.approx(0.5517, abs=4.0 * port.standard_error)
