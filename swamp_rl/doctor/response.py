@@ -4,7 +4,8 @@ Equation error (Ljung 1999, section 7): the yaw acceleration is regressed on the
 ask for and on the yaw rate, the surge acceleration on the force ahead and on the drag, over a window that
 averages the noise. Thrust is a sum of the level and its square with positive coefficients. Each exchange of
 columns, change of sign and shift of time is one hypothesis; the commands as logged are kept unless another
-has the greater likelihood by far.
+has the greater likelihood by far. What periodic commands ask for a shift later, or with the other sign half
+a period later, may be the same but for a sum of velocities: such hypotheses are not compared.
 """
 
 import itertools
@@ -24,6 +25,7 @@ from swamp_rl.doctor.smooth import WINDOWS, Motion, mean, noise_of, rows_of, slo
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
 Pair = tuple[Array, Array]
+Shifted = tuple[Sequence[Pair], float]  # demands of every run, and by how many seconds they act later
 
 LIKELIER = 12.0
 """Difference of log likelihood: exp(12) to one, for at most some twenty hypotheses that are tried."""
@@ -31,6 +33,8 @@ FEWEST = 8.0
 """Windows of data, for a regression on three numbers."""
 EXPLAINED = 0.1
 """Share of the acceleration's variance that the likeliest commands must explain, else there is no finding."""
+ALIKE = 0.8
+"""Share of what one hypothesis explains that another would: from it on, commands do not tell them apart."""
 LONGEST_SHIFT = 4.0
 """s, to either side."""
 COARSE = 0.4
@@ -83,17 +87,21 @@ def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Find
         (_demands(answers, places, hypothesis), _demands(answers, direct, hypothesis)) for hypothesis in tried
     ]
     shifted = [tuple(_latest(answers, demand) for demand in pair) for pair in demands]
-    scores = [max(latest[1] for latest in pair) for pair in shifted]
-    best = max(range(len(tried)), key=lambda i: (scores[i], -i))
-    gain, explained = scores[best] - scores[0], max(latest[2] for latest in shifted[best])
+    likeliest = [
+        max(zip(pair, latest, strict=True), key=lambda one: one[1][1])
+        for pair, latest in zip(demands, shifted, strict=True)
+    ]
+    gains = [_gain(answers, (asked, at[0]), (likeliest[0][0], likeliest[0][1][0])) for asked, at in likeliest]
+    best = max(range(len(tried)), key=lambda i: (gains[i], -i))
+    explained = likeliest[best][1][2]
     found = []
-    if gain > LIKELIER and explained > EXPLAINED:
-        rivals = [i for i in range(1, len(tried)) if i != best and scores[best] - scores[i] < LIKELIER]
+    if gains[best] > LIKELIER and explained > EXPLAINED:
+        rivals = [i for i in range(1, len(tried)) if i != best and gains[best] - gains[i] < LIKELIER]
         message = " or ".join(tried[i].message for i in (best, *rivals))
-        message += f": the boat answers as if so (log likelihood {gain:+.0f})"
+        message += f": the boat answers as if so (log likelihood {gains[best]:+.0f})"
         advice = "check the mapping, the axes (--frame) and the sign conventions of the commands; it obeys "
         advice += " or ".join(_mapped(tried[i]) for i in (best, *rivals))
-        figures = {"log_likelihood_gain": gain, "explained": explained}
+        figures = {"log_likelihood_gain": gains[best], "explained": explained}
         code, columns = tried[best].code, tried[best].columns
         found.append(Finding("fault", code, columns, message, advice, figures=figures))
     else:
@@ -233,44 +241,70 @@ def _smoothed(laws: Array, rows: int) -> Array:
 
 
 def _score(answers: Sequence[Answers], demands: Sequence[Pair], shift: float) -> tuple[float, float]:
-    """Log likelihood of the two accelerations but for a constant, and the larger share that is explained.
-
-    A command's coefficient that would be negative is 0. Rows within a window count as one.
-    """
+    """Log likelihood of the two accelerations but for a constant, and the larger share that is explained."""
     total, largest = 0.0, 0.0
     for axis in (0, 1):
-        parts, count = [], 0.0
-        for answer, pair in zip(answers, demands, strict=True):
-            own = (answer.yaw, answer.surge)[axis]
-            rows = round(shift / answer.motion.step)
-            used = slice(max(rows, 0) + own.rows, len(own.velocity) + min(rows, 0) - own.rows)
-            if used.stop - used.start < 3 * own.rows:
-                continue
-            v, u = own.velocity[used], answer.surge.velocity[used]
-            damping = np.abs(v) * v if axis else u * v
-            asked = np.roll(pair[axis], rows, axis=0)[used]
-            thin = max(1, own.rows // 4)
-            table = np.column_stack([own.acceleration[used], asked, v, damping, np.ones_like(v)])
-            parts.append(table[::thin])
-            count += len(parts[-1]) * thin / own.rows
+        (table, asked), count = _table(answers, axis, [(demands, shift)])
         if count >= FEWEST:
-            share = _explained(np.vstack(parts))
+            share = _explained(table, asked)[0]
             total, largest = total - 0.5 * count * math.log1p(-share), max(largest, share)
     return total, largest
 
 
-def _explained(table: Array) -> float:
-    """Share of the first column's variance that the second and the third explain beyond the others, with
-    coefficients that are not negative (Lawson and Hanson 1974)."""
-    rest = table[:, 3:]
-    left = table[:, :3] - rest @ np.linalg.lstsq(rest, table[:, :3], rcond=None)[0]
-    sizes = np.linalg.norm(left, axis=0)
-    # Demands that the other columns explain leave a rounding error only.
-    kept = sizes[1:] > 3e-5 * np.linalg.norm(table[:, 1:3], axis=0)
-    if sizes[0] == 0.0 or not kept.any():
-        return 0.0
-    target, demands = left[:, 0] / sizes[0], left[:, 1:][:, kept] / sizes[1:][kept]
-    return min(1.0 - nnls(demands, target)[1] ** 2, 1.0 - 1e-9)
+def _gain(answers: Sequence[Answers], one: Shifted, other: Shifted) -> float:
+    """Log likelihood of demands less that of others, each shifted by so many seconds. An acceleration that
+    does not tell them apart may speak for the others alone.
+    """
+    total = 0.0
+    for axis in (0, 1):
+        (acceleration, first, second), count = _table(answers, axis, [one, other])
+        if count >= FEWEST:
+            share, fitted = _explained(acceleration, first)
+            gain = 0.5 * count * math.log((1.0 - _explained(acceleration, second)[0]) / (1.0 - share))
+            total += gain if _explained(fitted, second)[0] < ALIKE else min(gain, 0.0)
+    return total
+
+
+def _table(answers: Sequence[Answers], axis: int, every: Sequence[Shifted]) -> tuple[list[Array], float]:
+    """An acceleration (N, 1) and what each of `every` asks for there (N, 2), less what velocities explain of
+    them, and the number of windows.
+    """
+    parts, count = [], 0.0
+    for number, answer in enumerate(answers):
+        own = (answer.yaw, answer.surge)[axis]
+        rows = [round(shift / answer.motion.step) for _, shift in every]
+        used = slice(max(0, *rows) + own.rows, len(own.velocity) + min(0, *rows) - own.rows)
+        if used.stop - used.start < 3 * own.rows:
+            continue
+        v, u = own.velocity[used], answer.surge.velocity[used]
+        damping = np.abs(v) * v if axis else u * v
+        asked = [
+            np.roll(demands[number][axis], late, axis=0)[used]
+            for (demands, _), late in zip(every, rows, strict=True)
+        ]
+        thin = max(1, own.rows // 4)
+        table = np.column_stack([v, damping, np.ones_like(v), own.acceleration[used], *asked])
+        parts.append(table[::thin])
+        count += len(parts[-1]) * thin / own.rows
+    whole = np.vstack(parts) if parts else np.zeros((0, 4 + 2 * len(every)))
+    rest, wanted = whole[:, :3], whole[:, 3:]
+    left = wanted - rest @ np.linalg.lstsq(rest, wanted, rcond=None)[0]
+    # What the velocities explain wholly leaves a rounding error only.
+    left[:, np.linalg.norm(left, axis=0) < 3e-5 * np.linalg.norm(wanted, axis=0)] = 0.0
+    return np.split(left, np.arange(1, left.shape[1], 2), axis=1), count
+
+
+def _explained(target: Array, asked: Array) -> tuple[float, Array]:
+    """Share of the variance of a column (N, 1) that others (N, 2) explain, with coefficients that are not
+    negative (Lawson and Hanson 1974), and what they explain of it.
+    """
+    sizes = np.linalg.norm(asked, axis=0)
+    whole = float(np.linalg.norm(target))
+    if whole == 0.0 or not sizes.any():
+        return 0.0, np.zeros_like(target)
+    scaled = asked / np.where(sizes > 0.0, sizes, 1.0)
+    numbers, left = nnls(scaled, target[:, 0] / whole)
+    return min(1.0 - left**2, 1.0 - 1e-9), whole * (scaled @ numbers)[:, None]
 
 
 def _latest(answers: Sequence[Answers], demands: Sequence[Pair]) -> tuple[float, float, float]:
@@ -297,12 +331,12 @@ def _latency(
     known: bool,
 ) -> list[Finding]:
     """The likeliest shift, where it is significant and not small."""
-    shift, score, explained = latest
+    shift, _, explained = latest
     shortest = max(SHORTEST_LATENCY, SHORTEST_STEPS * answers[0].motion.step)
     if abs(shift) < shortest or explained < EXPLAINED:
         return []
     nearest = math.copysign(shortest - 1e-6, shift)
-    gain = score - max(_score(answers, demands, at)[0] for at in (0.0, 0.5 * nearest, nearest))
+    gain = min(_gain(answers, (demands, shift), (demands, at)) for at in (0.0, 0.5 * nearest, nearest))
     if gain < LIKELIER:
         return []
     names = tuple(place.level for place in places)
