@@ -48,15 +48,17 @@ def command_offset(run_set: RunSet) -> float:
 
 
 def thrusts(commands: Array, boat: Boat) -> Array:
-    """(T, 2K) squared levels with their sign, ahead and across, of commands (T, 2K)."""
+    """(T, N) levels and squared levels with their sign, ahead and across, of commands (T, 2K): curves of
+    thrust lie between the two.
+    """
     count = len(boat.thrusters)
     angle, level = commands[:, :count], commands[:, count:]
     full = np.array([max(abs(t.throttle_min), t.throttle_max) for t in boat.thrusters])
     across = np.array([isinstance(t, PropellerRudder) or t.kind == "azimuth" for t in boat.thrusters])
-    thrust = level * np.abs(level) / full**2
     ahead = [isinstance(t, PropellerRudder) for t in boat.thrusters]
-    forward = thrust * np.where(ahead, 1.0, np.cos(angle))
-    return np.hstack([forward, (thrust * np.sin(angle))[:, across]])
+    cosine, sine = np.where(ahead, 1.0, np.cos(angle)), np.sin(angle)[:, across]
+    laws = level / full, level * np.abs(level) / full**2
+    return np.hstack([part for law in laws for part in (law * cosine, law[:, across] * sine)])
 
 
 def _window(boat: Boat, dt: float) -> int:
