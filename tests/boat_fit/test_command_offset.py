@@ -52,6 +52,23 @@ def test_runs_of_one_command_have_no_offset(wired: RunSet) -> None:
     assert command_offset(replace(wired, commands=np.full_like(wired.commands, 0.3))) == 0.0
 
 
+def test_a_thrust_that_is_linear_in_the_level_is_no_offset(tmp_path: Path) -> None:
+    """A boat of first order in surge and yaw under a slow speed profile and slow turns, without noise."""
+    boat, dt, rows = load_boat(written(tmp_path, "twin")), 0.1, 800
+    phase = np.pi * dt * np.arange(rows) / 20.0
+    level, apart = 0.6 * np.abs(np.sin(phase)), 0.15 * np.sin(2.0 * phase)
+    motion = np.zeros((rows, 6))
+    for row in range(rows - 1):
+        heading, (speed, _, rate) = motion[row, 2], motion[row, 3:]
+        change = [speed * np.cos(heading), speed * np.sin(heading), rate]
+        motion[row + 1] = motion[row] + dt * np.array(
+            [*change, 1.2 * level[row] - 0.8 * speed, 0.0, 2.0 * apart[row] - 0.6 * rate]
+        )
+    commands = np.column_stack([np.zeros((rows, 2)), level + apart, level - apart])[None]
+    runs = RunSet(boat, dt, ("run",), commands, motion[None], np.array([rows]))
+    assert abs(command_offset(runs)) <= 0.2
+
+
 def test_a_row_lost_at_the_beginning_or_the_end_of_a_run_does_not_move_the_offset(wired: RunSet) -> None:
     measured = wired.measured.copy()
     measured[:, 1] = np.nan
