@@ -92,3 +92,9 @@ def places_of(value: float, digits: int = 3) -> int:
 def rounded(value: float) -> str:
     """Three significant digits, without powers of ten."""
     return f"{value:.{places_of(value)}f}"
+
+
+def with_error(value: float, error: float) -> str:
+    """A number and its standard error, to the second digit of that."""
+    places = places_of(error, 2) or places_of(value, 2)
+    return f"{value:.{places}f} ± {error:.{places}f} (one standard error)"

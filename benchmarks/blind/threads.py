@@ -59,7 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     rows = []
     for name, some in (("A to D", made[:-1]), ("R", made[-1:])):
         ratio = some[:, 0] / some[:, 1]
-        spread = f"{np.median(ratio):.2f} ({ratio.min():.2f} to {ratio.max():.2f})"
+        spread = f"{np.median(ratio):.2f}"
+        spread += f" ({ratio.min():.2f} to {ratio.max():.2f})" if len(ratio) > 1 else ""
         rows.append([name, str(len(some)), *(f"{one:.1f}" for one in np.median(some, axis=0)), spread])
     heads = ["level", "cases", "one thread, median s", "two threads, median s", "ratio, median (range)"]
     write_parts(DOCS / "criticism.md", {"blind threads": table(heads, rows)})

@@ -18,7 +18,7 @@ from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.likelihood.prediction_error import TRIVIAL
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.digits import digits, known
-from swamp_rl.html_page import document, places_of, prose, table
+from swamp_rl.html_page import document, prose, table, with_error
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
 HEADS = tuple(name.replace("_", " ") for name in TRIVIAL)
@@ -160,12 +160,6 @@ def moving_water(found: Identification) -> list[str]:
         "fitted beside the numbers. The boat file is for still water; `swamp-rl diagnose` estimates the "
         f"current of other runs.{errors if found.in_current else ''}"
     ]
-
-
-def with_error(value: float, error: float) -> str:
-    """A number and its standard error, to the second digit of that."""
-    places = places_of(error, 2) or places_of(value, 2)
-    return f"{value:.{places}f} ± {error:.{places}f} (one standard error)"
 
 
 def unlike_runs(found: Identification) -> list[str]:

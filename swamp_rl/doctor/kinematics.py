@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.smooth import Motion
+from swamp_rl.html_page import with_error
 
 Array = NDArray[np.float64]
 
@@ -208,8 +209,8 @@ def _speed_for_surge(known: Sequence[Motion], given: Array, moved: NDArray[np.co
     if not share - EXCESS > CERTAIN * error:
         return []
     message = (
-        f"is the speed over ground: it contains {share:.2f} ± {error:.2f} (standard error) of the difference "
-        "between that and the velocity along the heading, of which a surge contains none"
+        f"is the speed over ground: it contains {with_error(share, error)} of the difference between that "
+        "and the velocity along the heading, of which a surge contains none"
     )
     advice = (
         "leave it out, or import it with the course over ground: velocity_north=speed*cos(radians(course)), "

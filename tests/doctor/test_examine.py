@@ -9,7 +9,6 @@ import pytest
 from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.doctor.examine import examine
-from swamp_rl.doctor.finding import Finding
 from swamp_rl.logs.import_logs import Reading, import_logs
 from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
@@ -17,19 +16,9 @@ from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.schema import DatasetMeta
 from swamp_rl.simulator.replay import replay
+from tests.support.doctored import STEP, Columns, driven, faults, late
 from tests.support.from_scratch import written
 from tests.support.new_boats import new_boat
-
-Columns = dict[str, np.ndarray]
-STEP = 0.1
-
-
-def gauss_markov(rng: np.random.Generator, count: int, deviation: float, memory: float) -> np.ndarray:
-    keep = float(np.exp(-STEP / memory))
-    found = np.zeros(count)
-    for i, kick in enumerate(rng.standard_normal(count - 1), 1):
-        found[i] = keep * found[i - 1] + deviation * np.sqrt(1.0 - keep * keep) * kick
-    return found
 
 
 @pytest.fixture(scope="module")
@@ -40,42 +29,6 @@ def twin(tmp_path_factory: pytest.TempPathFactory) -> Boat:
 @pytest.fixture(scope="module")
 def sound(twin: Boat) -> list[Run]:
     return driven(twin, 0.25)
-
-
-def driven(twin: Boat, deviation: float) -> list[Run]:
-    """Three runs of a minute under throttles that wander by a deviation."""
-    rng = np.random.default_rng(4)
-    throttles = [[0.5 + gauss_markov(rng, 601, deviation, 4.0) for _ in range(2)] for _ in range(3)]
-    return sailed(twin, throttles, rng)
-
-
-def steered(twin: Boat, shape: Callable[[np.ndarray], np.ndarray], period: float) -> list[Run]:
-    """Three runs of a minute at a constant sum of the throttles and a periodic difference, shape(phase)."""
-    phases = (2.0 * np.pi * np.arange(601) * STEP / period + number for number in range(3))
-    apart = [0.2 * shape(phase) for phase in phases]
-    return sailed(twin, [[0.5 + one, 0.5 - one] for one in apart], np.random.default_rng(4))
-
-
-def sailed(twin: Boat, throttles: list[list[np.ndarray]], rng: np.random.Generator) -> list[Run]:
-    """Runs of a minute under throttles of both sides, with the noise of RTK."""
-    time = np.arange(601) * STEP
-    runs = []
-    for number, levels in enumerate(throttles):
-        columns = {name: np.zeros(601) for name in ("north", "east", "heading", "surge", "sway", "yaw_rate")}
-        columns |= {"time": time}
-        for side, level in zip(("port", "starboard"), levels, strict=True):
-            columns[f"throttle_{side}"] = np.clip(level, -1.0, 1.0)
-        run = dict(replay(twin, Run(f"run-{number}", columns)).columns)
-        for name, error in (("north", 0.02), ("east", 0.02), ("heading", 0.005), ("surge", 0.02)):
-            run[name] = run[name] + error * rng.standard_normal(601)
-        run["yaw_rate"] = run["yaw_rate"] + 0.005 * rng.standard_normal(601)
-        run["heading"] = wrapped(run["heading"])
-        runs.append(Run(f"run-{number}", {n: v for n, v in run.items() if not n.startswith("applied_")}))
-    return runs
-
-
-def faults(runs: list[Run], boat: Boat | None) -> list[Finding]:
-    return [finding for finding in examine(runs, boat) if finding.level == "fault"]
 
 
 def test_a_slow_wind_sensor_that_repeats_a_value_is_not_stuck(sound: list[Run], twin: Boat) -> None:
@@ -196,13 +149,6 @@ def smoothed(c: Columns) -> Columns:
     return {**c, **smooth}
 
 
-def late(seconds: float) -> Callable[[Columns], Columns]:
-    rows = round(seconds / STEP)
-    return lambda c: {
-        n: v if n == "time" else np.roll(v, -rows) if n.startswith("throttle_") else v for n, v in c.items()
-    }
-
-
 def swapped(one: str, other: str) -> Callable[[Columns], Columns]:
     return lambda c: {**c, one: c[other], other: c[one]}
 
@@ -318,32 +264,6 @@ def test_the_size_of_an_offset_and_of_a_latency_is_reported(sound: list[Run], tw
     assert finding.figures["offset_rad"] == pytest.approx(-1.0, abs=0.15)
     (finding,) = faults([Run(r.name, late(1.5)(dict(r.columns))) for r in sound], twin)
     assert finding.figures["latency_s"] == pytest.approx(1.5, abs=0.35)
-
-
-def test_a_periodic_steering_of_which_half_a_period_is_a_change_of_sign_is_no_fault(twin: Boat) -> None:
-    runs = steered(twin, np.sin, 10.0)
-    assert faults(runs, twin) == []
-    assert faults(runs, None) == []
-
-
-@pytest.mark.parametrize("seconds", [1.5, -1.0])
-def test_the_latency_of_a_periodic_steering_with_steps_is_reported(seconds: float, twin: Boat) -> None:
-    runs = steered(twin, lambda phase: np.sign(np.sin(phase)), 10.0)
-    (finding,) = faults([Run(run.name, late(seconds)(dict(run.columns))) for run in runs], twin)
-    assert finding.code == "latency"
-    assert finding.figures["latency_s"] == pytest.approx(seconds, abs=0.35)
-
-
-def test_a_thrust_that_is_linear_in_the_level_is_no_latency(twin: Boat, tmp_path: Path) -> None:
-    written(tmp_path, "twin")
-    linear = {"thrust_linear": 8.0, "thrust_quadratic": 0.0, "astern_linear": 5.0, "astern_quadratic": 0.0}
-    curves = "".join(f"  {name}: {linear}\n" for name in twin.thruster_names)
-    (tmp_path / "linear.yaml").write_text(f"extends: twin.yaml\nthrusters:\n{curves}")
-    phase = np.pi * np.arange(601) * STEP / 20.0
-    level, apart = 0.6 * np.abs(np.sin(phase)), 0.15 * np.sin(2.0 * phase)
-    throttles = [[level + apart, level - apart], [level - apart, level + apart]]
-    runs = sailed(load_boat(tmp_path / "linear.yaml"), throttles, np.random.default_rng(4))
-    assert faults(runs, twin) == []
 
 
 def test_a_fast_boat_logged_once_a_second_is_sound(tmp_path: Path) -> None:

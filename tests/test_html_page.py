@@ -1,10 +1,10 @@
-"""What the page of an identified boat says."""
+"""How numbers are written."""
 
 import math
 
 import pytest
 
-from swamp_rl.boat_fit.report import with_error
+from swamp_rl.html_page import with_error
 
 
 @pytest.mark.parametrize(
