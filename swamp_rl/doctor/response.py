@@ -331,13 +331,13 @@ def _latency(
     known: bool,
 ) -> list[Finding]:
     """The likeliest shift, where it is significant and not small."""
-    shift, _, explained = latest
+    shift, score, explained = latest
     shortest = max(SHORTEST_LATENCY, SHORTEST_STEPS * answers[0].motion.step)
     if abs(shift) < shortest or explained < EXPLAINED:
         return []
     nearest = math.copysign(shortest - 1e-6, shift)
-    gain = min(_gain(answers, (demands, shift), (demands, at)) for at in (0.0, 0.5 * nearest, nearest))
-    if gain < LIKELIER:
+    gain = score - max(_score(answers, demands, at)[0] for at in (0.0, 0.5 * nearest, nearest))
+    if min(gain, _gain(answers, (demands, shift), (demands, 0.0))) < LIKELIER:
         return []
     names = tuple(place.level for place in places)
     figures = {"latency_s": shift, "log_likelihood_gain": gain}
