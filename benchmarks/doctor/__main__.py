@@ -11,18 +11,31 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.doctor.seeds import BOATS, NOISES, SEEDS, Seed, measured, smooth_runs, sound_runs, twin_boat
+from benchmarks.doctor.seeds import (
+    BOATS,
+    NOISES,
+    SEEDS,
+    Seed,
+    measured,
+    smooth_runs,
+    sound_runs,
+    steered_runs,
+    twin_boat,
+)
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.doctor.examine import examine
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
 
-SMOOTH_RUNS = 4
+SMOOTH_RUNS, STEERED_RUNS = 4, 3
+PERIODIC = "steered by sines"
 
 
 def datasets(count: int, folder: Path) -> dict[str, tuple[Boat, list[list[Run]]]]:
-    """Noise-free datasets by source, with their boat."""
+    """Noise-free datasets by source, with their boat. Nothing is seeded in periodic ones: half a period is
+    equivalent to a fault.
+    """
     found = {}
     for name, (_, size, _) in BOATS.items():
         runs = sound_runs(name, count * size, 1, folder)
@@ -31,6 +44,8 @@ def datasets(count: int, folder: Path) -> dict[str, tuple[Boat, list[list[Run]]]
         runs = smooth_runs(boat, count * SMOOTH_RUNS, 1)
         parts = [runs[i * SMOOTH_RUNS : (i + 1) * SMOOTH_RUNS] for i in range(count)]
         found[f"{boat.name}, commands that wander"] = (boat, parts)
+    boat = twin_boat(folder)
+    found[PERIODIC] = (boat, [steered_runs(boat, STEERED_RUNS, number) for number in range(count)])
     return found
 
 
@@ -57,7 +72,7 @@ def judged(count: int, draws: int, folder: Path) -> tuple[dict[str, Counter[str]
                     false[f"{noise} tried"] += 1
                     false[noise] += bool(wrong)
                     lines += [f"{source}, {noise}: {finding}" for finding in wrong]
-                for seed in SEEDS:
+                for seed in SEEDS if source != PERIODIC else ():
                     if seed.differs(clean[0]):
                         found[seed.name][f"{noise} tried"] += 1
                         found[seed.name][noise] += _is_found(seed, clean[0], boat, rng)

@@ -74,6 +74,19 @@ def smooth_runs(boat: Boat, count: int, seed: int) -> list[Run]:
     return runs
 
 
+def steered_runs(boat: Boat, count: int, seed: int) -> list[Run]:
+    """Noise-free runs: throttles of both sides whose difference is a sine of 5 to 15 s, of equal sum."""
+    rng, step = np.random.default_rng(seed), 0.1
+    time = np.arange(round(SECONDS / step) + 1) * step
+    runs = []
+    for number in range(count):
+        apart = 0.2 * np.sin(2.0 * np.pi * time / rng.uniform(5.0, 15.0) + rng.uniform(0.0, 2.0 * np.pi))
+        columns = {"time": time} | {name: np.zeros(len(time)) for name in CHANNELS}
+        columns |= {"throttle_port": 0.5 + apart, "throttle_starboard": 0.5 - apart}
+        runs.append(replay(boat, Run(f"steered-{number}", columns)))
+    return runs
+
+
 def measured(run: Run, noise: str, rng: Rng) -> Run:
     """The run as sensors measured it; without velocities where the noise has none."""
     columns = {name: values for name, values in run.columns.items() if not name.startswith("applied_")}
