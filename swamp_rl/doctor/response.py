@@ -33,7 +33,7 @@ FEWEST = 8.0
 """Windows of data, for a regression on three numbers."""
 EXPLAINED = 0.1
 """Share of the acceleration's variance that the likeliest commands must explain, else there is no finding."""
-ALIKE = 0.8
+ALIKE = 0.85
 """Share of what one hypothesis explains that another would: from it on, commands do not tell them apart."""
 LONGEST_SHIFT = 4.0
 """s, to either side."""
