@@ -40,12 +40,12 @@ def datasets(count: int, folder: Path) -> dict[str, tuple[Boat, list[list[Run]]]
     for name, (_, size, _) in BOATS.items():
         runs = sound_runs(name, count * size, 1, folder)
         found[name] = (load_boat(name), [runs[i * size : (i + 1) * size] for i in range(count)])
-    for boat in (load_boat("swamp"), twin_boat(folder)):
+    twin = twin_boat(folder)
+    for boat in (load_boat("swamp"), twin):
         runs = smooth_runs(boat, count * SMOOTH_RUNS, 1)
         parts = [runs[i * SMOOTH_RUNS : (i + 1) * SMOOTH_RUNS] for i in range(count)]
         found[f"{boat.name}, commands that wander"] = (boat, parts)
-    boat = twin_boat(folder)
-    found[PERIODIC] = (boat, [steered_runs(boat, STEERED_RUNS, number) for number in range(count)])
+    found[PERIODIC] = (twin, [steered_runs(twin, STEERED_RUNS, number) for number in range(count)])
     return found
 
 

@@ -4,8 +4,8 @@ Equation error (Ljung 1999, section 7): the yaw acceleration is regressed on the
 ask for and on the yaw rate, the surge acceleration on the force ahead and on the drag, over a window that
 averages the noise. Thrust is a sum of the level and its square with positive coefficients. Each exchange of
 columns, change of sign and shift of time is one hypothesis; the commands as logged are kept unless another
-has the greater likelihood by far. What periodic commands ask for a shift later, or with the other sign half
-a period later, may be the same but for a sum of velocities: such hypotheses are not compared.
+has the greater likelihood by far. Beside the velocities, a shifted periodic command, or one with the other
+sign half a period later, explains nearly what the logged one does: it does not count as more likely.
 """
 
 import itertools
@@ -91,7 +91,8 @@ def response_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Find
         max(zip(pair, latest, strict=True), key=lambda one: one[1][1])
         for pair, latest in zip(demands, shifted, strict=True)
     ]
-    gains = [_gain(answers, (asked, at[0]), (likeliest[0][0], likeliest[0][1][0])) for asked, at in likeliest]
+    at_best: list[Shifted] = [(asked, shift) for asked, (shift, _, _) in likeliest]
+    gains = [_gain(answers, one, at_best[0]) for one in at_best]
     best = max(range(len(tried)), key=lambda i: (gains[i], -i))
     explained = likeliest[best][1][2]
     found = []

@@ -55,21 +55,24 @@ def test_rows_that_are_kept_are_runs_with_all_their_columns(tmp_path: Path) -> N
     assert runs[1].columns["north"][0] == pytest.approx(5.2)
 
 
-def test_commands_that_a_first_import_lacked_are_not_called_missing_by_the_second(tmp_path: Path) -> None:
+def test_what_an_import_said_of_missing_and_unknown_columns_is_not_repeated_by_the_next(
+    tmp_path: Path,
+) -> None:
     twin = str(written(tmp_path, "twin"))
     zero = np.zeros(100)
-    with_demand = {"time": TIME, "north": TIME, "east": zero, "heading": zero, "demand": 0.01 * TIME}
-    rows = np.column_stack(list(with_demand.values()))
-    np.savetxt(tmp_path / "trip.csv", rows, "%.3f", ",", header=",".join(with_demand), comments="")
-    north = Reading(mapping_of([f"{name}={name}" for name in list(with_demand)]))
-    about, wishes = About(boat=twin), Wishes()
-    first = import_logs([tmp_path / "trip.csv"], "csv", tmp_path / "first", about, wishes, north)
-    entries = first.runs[0].model_dump()
-    assert "demand" in entries["unknown_columns"]
+    columns = {"time": TIME, "north": TIME, "east": zero, "heading": zero, "demand": 0.01 * TIME}
+    about = {"mass": 15.0, "draught": 0.1, "water_density": 1000.0}
+    create_dataset(
+        tmp_path / "first", DatasetMeta(vehicle=twin, sample_rate=10.0, source="measured", **about)
+    )
+    said = {"commands": "missing: throttle_port", "unknown_columns": "demand, volts", "group": "lake"}
+    append_run(tmp_path / "first", Run("trip", columns, RunMeta.model_validate(said)))
 
     both = Reading(mapping_of(["throttle_port=demand", "throttle_starboard=demand"]))
-    second = import_logs([tmp_path / "first"], "parquet", tmp_path / "second", About(), wishes, both)
-    assert "commands" not in second.runs[0].model_dump()
+    second = import_logs([tmp_path / "first"], "parquet", tmp_path / "second", About(), Wishes(), both)
+    entries = second.runs[0].model_dump()
+    assert "commands" not in entries and entries["group"] == "lake"
+    assert entries["unknown_columns"].startswith("demand;")
     fewer = Wishes(dropped=("demand",))
     third = import_runs([tmp_path / "second"], "parquet", tmp_path / "third", wishes=fewer)
     assert "unknown_columns" not in third.runs[0].model_dump()
