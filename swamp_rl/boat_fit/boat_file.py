@@ -167,10 +167,11 @@ def _replace(section: dict[str, Any], key: str, one: Fitted, fitted_to: str) -> 
     else:
         value, sd = _rounded(one.value), _rounded(one.standard_error)
     if not one.shown and isinstance(given, dict):
-        own = isinstance(given["value"], list) or math.isclose(given["value"], one.number.start)
+        listed = isinstance(given["value"], list)
+        own = listed or math.isclose(given["value"], one.number.start)
         origin = {} if own else {"provenance": "assumed", "source": "the start file with its effects"}
         section[key] = {**given, "value": value} | origin
-        section[key]["source"] += f"; not identifiable from {fitted_to}"
+        section[key]["source"] += f"; not identifiable from {fitted_to}{_moved(one, listed)}"
         return
     section[key] = {
         "value": value,
@@ -179,6 +180,14 @@ def _replace(section: dict[str, Any], key: str, one: Fitted, fitted_to: str) -> 
         "source": _source(one, fitted_to),
         SPREAD: sd,
     }
+
+
+def _moved(one: Fitted, listed: bool) -> str:
+    """What the fit did to a number that the data do not show, which follows those that they show."""
+    if one.x == one.number.mean:
+        return ""
+    start = f"{one.number.start:.4g}"
+    return f", times {one.value:.4g} by the fit" if listed else f", moved from {start} by the fit"
 
 
 def _scale_table(resistance: dict[str, Any], one: Fitted, fitted_to: str) -> None:

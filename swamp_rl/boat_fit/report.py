@@ -66,7 +66,8 @@ def summary(found: Identification) -> list[str]:
     """What was found, in sentences."""
     shown = sum(one.shown for one in found.fitted)
     lines = [
-        f"The runs determine {shown} of {len(found.fitted)} free numbers; the others keep their priors.",
+        f"The runs determine {shown} of {len(found.fitted)} free numbers; the others keep "
+        "the widths of their priors.",
         prediction_sentence(found),
         start_sentence(found.before, found.predicted),
         *left_out(found.wiring.boat, found.fitted),

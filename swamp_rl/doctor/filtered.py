@@ -38,7 +38,8 @@ def filter_findings(runs: Sequence[Run], measured: bool) -> list[Finding]:
     )
     message += f" from {LOW[0]:g}-{LOW[1]:g} to {HIGH[0]:g}-{HIGH[1]:g} of the Nyquist frequency"
     advice = (
-        "a filter or resampling smoothed them: log the raw sensor; intervals from white noise do not hold"
+        "a filter, resampling or an integral smoothed them: log the raw sensor; intervals from white noise "
+        "do not hold"
         if measured
         else "as simulated runs without sensor noise do"
     )

@@ -270,6 +270,8 @@ def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:
     if fault.column in REQUIRED and MISSING in fault.message:
         column = "" if mapped else f"--column {fault.column}=THEIRS, or "
         hint = f", or name it: {column}--map {fault.column}=THEIRS (--list shows what is there)"
+        if fault.column in ("north", "east"):
+            hint += f"; if the log has velocities alone: --map '{fault.column}=integral(VELOCITY)'"
     elif fault.column == "time" and REPEATS in fault.message:
         hint += " (--rate HZ counts rows at a constant rate)"
     elif fault.column == "time" and "resample" in fault.message:

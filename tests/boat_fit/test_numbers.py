@@ -195,6 +195,16 @@ def test_a_number_that_only_an_effect_of_the_start_file_gives_is_not_called_meas
     )
 
 
+def test_a_number_that_the_runs_do_not_show_keeps_its_prior_and_names_its_start_value() -> None:
+    boat = load_boat("swamp")
+    mass = next(one for one in free_numbers(boat) if one.name == "mass")
+    unseen = Fitted(mass, mass.mean + 0.1, mass.sd)
+    made = identified_mapping(boat, "new", [unseen], "runs")["mass"]
+    assert made["value"] == pytest.approx(boat.mass * math.exp(0.1), rel=1e-4)
+    assert made.get("sd") == boat_mapping(boat)["mass"].get("sd")
+    assert made["source"].endswith(f"; not identifiable from runs, moved from {boat.mass:g} by the fit")
+
+
 def test_the_level_of_the_thrust_multiplies_that_of_the_start_file(tmp_path: Path) -> None:
     for text, scale in (("[]", 0.8), ("[{effect: thrust_scale, scale: 0.9}]", 0.72)):
         (tmp_path / "worn.yaml").write_text(f"extends: swamp\neffects: {text}\n")

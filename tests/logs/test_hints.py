@@ -1,5 +1,6 @@
 """Options that a complaint about a mapped column names: those that a mapping takes."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -23,15 +24,23 @@ def boat(tmp_path: Path) -> str:
     return str(written(tmp_path, "twin"))
 
 
-def imported(folder: Path, boat: str, more: list[str], units: dict[str, str], frame: str = "ned") -> Run:
-    """The run of a log with a surge, a yaw rate in degrees a second and words."""
+def imported(
+    folder: Path,
+    boat: str,
+    more: list[str],
+    units: dict[str, str],
+    frame: str = "ned",
+    mapped: Sequence[str] = MAP,
+) -> Run:
+    """The run of a log with a surge, a yaw rate in degrees a second, velocities and words."""
     was = weaving()
     columns = {"t": was["time"], "n": was["north"], "e": was["east"], "psi": was["heading"]}
     columns |= {"port": was["throttle_port"], "stb": was["throttle_starboard"]}
     columns |= {"speed": was["surge"], "turn": np.degrees(was["yaw_rate"])}
+    columns |= {"vn": np.gradient(was["north"], was["time"]), "ve": np.gradient(was["east"], was["time"])}
     cells = {name: [repr(float(value)) for value in column] for name, column in columns.items()}
     log = csv_of(folder / "log.csv", {**cells, "mode": ["AUTO"] * 301})
-    reading = Reading(mapping_of([*MAP, *more], frame))
+    reading = Reading(mapping_of([*mapped, *more], frame))
     import_logs([log], "csv", folder / "out", About(boat=boat), Wishes(units=units), reading)
     (run,) = read_dataset(folder / "out").runs
     return run
@@ -56,6 +65,15 @@ def test_a_hint_names_an_option_that_a_mapping_takes(
     with pytest.raises(UserError, match=part) as error:
         imported(tmp_path, boat, more, {})
     assert "--column" not in str(error.value) and "--drop" not in str(error.value)
+
+
+def test_the_hint_for_a_log_of_velocities_gives_the_positions(tmp_path: Path, boat: str) -> None:
+    rest = [one for one in MAP if one[:2] not in ("x=", "y=")]
+    with pytest.raises(UserError, match=r"column north: .* --map 'north=integral\(VELOCITY\)'"):
+        imported(tmp_path, boat, [], {}, mapped=rest)
+    run = imported(tmp_path, boat, ["north=integral(vn)", "east=integral(ve)"], {}, mapped=rest)
+    for name in ("north", "east"):
+        np.testing.assert_allclose(run.columns[name], weaving()[name] - weaving()[name][0], atol=0.02)
 
 
 @pytest.mark.parametrize(
