@@ -152,8 +152,9 @@ def import_(
     """Convert logs to a dataset: tables, messages, telemetry, free-running tests."""
     from swamp_rl.logs.import_logs import MAPPED, Reading, import_logs
     from swamp_rl.logs.mapping import mapping_of
-    from swamp_rl.runs.import_dataset import About, Kind, import_runs, kind_of
+    from swamp_rl.runs.import_dataset import About, Kind, import_runs
     from swamp_rl.runs.import_foreign import Wishes
+    from swamp_rl.runs.kind_of_file import kind_of
 
     renamed, units, dropped = _pairs("--column", column), _units(degrees, unit), tuple(drop or ())
     wishes = Wishes(

@@ -13,7 +13,7 @@ from swamp_rl.explain import explanations
 from swamp_rl.files import read_yaml
 from swamp_rl.logs.binary import LARGEST
 from swamp_rl.ordinary import ordinary
-from swamp_rl.runs.import_dataset import BAG_METADATA
+from swamp_rl.runs.kind_of_file import BAG_METADATA
 from swamp_rl.sqlite_file import refuse_endless
 
 LARGEST_METADATA = 2**23

@@ -34,11 +34,11 @@ from swamp_rl.runs.import_dataset import (
     About,
     files_of_kind,
     import_tables,
-    is_bag_folder,
     refuse_idle,
     whole_folder,
 )
 from swamp_rl.runs.import_foreign import Foreign, Wishes
+from swamp_rl.runs.kind_of_file import is_bag_folder
 from swamp_rl.runs.schema import META, DatasetMeta
 
 ABOUT_ONE = 1.2

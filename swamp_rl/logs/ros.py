@@ -14,7 +14,7 @@ from swamp_rl.logs.binary import LARGEST, Gathered, reading, refuse_other_bytes
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.tables import table_name
 from swamp_rl.ordinary import ordinary
-from swamp_rl.runs.import_dataset import BAG_METADATA, mcap_profile
+from swamp_rl.runs.kind_of_file import BAG_METADATA, mcap_profile
 from swamp_rl.runs.table import MOST_COLUMNS
 
 WHAT = "ROS bag"

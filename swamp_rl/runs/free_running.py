@@ -12,7 +12,8 @@ from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.check import check_table
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import RunMeta
-from swamp_rl.runs.table import LONGEST_HEADER, Table, read_table
+from swamp_rl.runs.table import Table, read_table
+from swamp_rl.runs.text_header import LONGEST_HEADER
 
 # Their headings, in SI units already. The pond's x axis takes the place of north and its y axis that of east.
 # The true wind is given by where it comes from in the same frame, as `wind_from` is.

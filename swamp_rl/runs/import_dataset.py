@@ -11,7 +11,6 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
-from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.bad_rows import REFUSED, listed
 from swamp_rl.runs.columns import is_angle
 from swamp_rl.runs.copies import boat_file, course_file, write_copies
@@ -21,111 +20,19 @@ from swamp_rl.runs.earlier_commands import with_earlier_commands
 from swamp_rl.runs.free_running import import_free_running, is_free_running
 from swamp_rl.runs.import_foreign import Foreign, Wishes, runs_from
 from swamp_rl.runs.import_telemetry import read_telemetry
+from swamp_rl.runs.kind_of_file import SUFFIXES
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import META, DatasetMeta, Source, entries_of
 from swamp_rl.runs.table import read_table
+from swamp_rl.runs.text_header import TEXTS
 from swamp_rl.runs.writer import append_runs, create_dataset
 from swamp_rl.sums import refuse_changed_files
 from swamp_rl.unfinished import folder_beside
 
 Outcome = Literal["success", "failed", "auto"]
 Kind = Literal["csv", "parquet", "mcap", "telemetry", "free-running"]
-SUFFIXES = {
-    "csv": (".csv",),
-    "parquet": (".parquet",),
-    "mcap": (".mcap",),
-    "telemetry": (".txt", ".log", ".dat"),
-    "free-running": (".csv",),
-    "matlab": (".mat",),
-    "dataflash": (".bin",),
-    "ulog": (".ulg",),
-    "rosbag": (".bag", ".db3", ".mcap"),
-}
-"""The last four are read by `swamp_rl.logs`."""
-SURE = {
-    ".csv": "csv",
-    ".parquet": "parquet",
-    ".mat": "matlab",
-    ".bin": "dataflash",
-    ".ulg": "ulog",
-    ".bag": "rosbag",
-    ".db3": "rosbag",
-}
-"""Kinds that a suffix alone tells."""
-MCAP = b"\x89MCAP0\r\n\x01"
-BEFORE_PROFILE = len(MCAP) + 8 + 4
-"""Bytes of an MCAP file that begin it, with the header's opcode, and those before the profile's text: lengths
-of the record and of the text (mcap.dev/spec). ROS writes `ros1` or `ros2`."""
-BAG_METADATA = "metadata.yaml"
-"""Describes a bag of ROS 2 in its folder."""
-
-
-def is_bag_folder(path: Path) -> bool:
-    """Whether a folder is a bag of ROS 2."""
-    return path.is_dir() and (path / BAG_METADATA).is_file()
-
-
-def kind_of(sources: Sequence[Path]) -> str:
-    """The kind of which all sources are, by their suffixes and those of the files in folders; UserError where
-    these do not tell it.
-    """
-    found = {kind: source for source in reversed(sources) for kind in _kinds(source)}
-    if None in found:
-        raise UserError(
-            f"{found[None]}: neither its suffix nor its header tells what it is; give --from, one of "
-            f"{', '.join(SUFFIXES)}"
-        )
-    if len(found) > 1:
-        raise UserError(
-            f"{sources[0]}{' and others' * (len(sources) > 1)}: files of several kinds "
-            f"({', '.join(sorted(map(str, found)))}); give --from with one of them"
-        )
-    return str(next(iter(found)))
-
-
-def _kinds(source: Path) -> set[str | None]:
-    """The kinds that suffixes tell of a file, or of the files of a folder or of the folders in it."""
-    if not source.exists():
-        raise UserError(f"{source}: no such file or folder; check the name")
-    if is_bag_folder(source):
-        return {"rosbag"}
-    if not source.is_dir():
-        return {_kind_of_file(source)}
-    if (source / "meta" / "info.json").is_file() or next(source.rglob("main_data.hdf5"), None):
-        raise UserError(
-            f"{source}: is a folder of LeRobot or Minari, which is not imported; runs doctor reads it"
-        )
-    for inside in (source.iterdir(), source.rglob("*")):
-        shown = [path for path in inside if not path.name.startswith(".")]
-        logs = [path for path in shown if path.suffix.lower() in (*SURE, ".mcap") or is_bag_folder(path)]
-        if logs:
-            return {"rosbag" if is_bag_folder(path) else _kind_of_file(path) for path in logs}
-    raise UserError(
-        f"{source}: neither it nor a folder in it has {', '.join(SURE)} or .mcap files; check the name, "
-        "or give --from telemetry"
-    )
-
-
-def _kind_of_file(path: Path) -> str | None:
-    """The kind that a suffix tells, or the profile in the header of an MCAP file; None where neither does."""
-    if path.suffix.lower() != ".mcap":
-        return SURE.get(path.suffix.lower())
-    profile = mcap_profile(path)
-    if profile is None:
-        return None
-    return "rosbag" if profile.startswith("ros") else "mcap"
-
-
-def mcap_profile(path: Path) -> str | None:
-    """The profile in an MCAP file's header, its first 16 bytes; None for a file that does not begin so."""
-    with ordinary(path, None).open("rb") as stream:
-        begin = stream.read(BEFORE_PROFILE + 16)
-    if len(begin) < BEFORE_PROFILE or not begin.startswith(MCAP):
-        return None
-    length = int.from_bytes(begin[BEFORE_PROFILE - 4 : BEFORE_PROFILE], "little")
-    return begin[BEFORE_PROFILE:][:length].decode(errors="replace")
 
 
 @dataclass(frozen=True)
@@ -345,7 +252,7 @@ def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
 
 
 def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None, wishes: Wishes) -> Foreign:
-    if path.suffix.lower() not in SUFFIXES[kind]:
+    if path.suffix.lower() not in (TEXTS if kind == "csv" else SUFFIXES[kind]):
         raise UserError(f"{path}: is no {SUFFIXES[kind][0]} file; check --from {kind}")
     table = read_table(path)
     if dataset is None:

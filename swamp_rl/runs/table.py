@@ -1,7 +1,5 @@
 """Run tables on disk: CSV and Parquet, the same columns, float64 and equal to the bit."""
 
-import csv
-import io
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -18,14 +16,13 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.ordinary import contents
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
+from swamp_rl.runs.text_header import TEXTS, HeaderError, plain, read_header
 
-SEPARATORS = ";", "\t"
-"""Of cells, where a first line without a comma has them; numbers may then have a decimal comma."""
 DECIMAL_COMMA = r"^(\s*[-+]?\d*),(\d+(?:[eE][-+]?\d+)?\s*)$"
 FORMATS = ("csv", "parquet")
 LARGEST = 2**30
 """Bytes of a file."""
-LONGEST_HEADER, MOST_COLUMNS = 2**17, 1_000
+MOST_COLUMNS = 1_000
 MOST_ODD_ROWS = 1_000
 """Rows of another length than the header's after which a file is read no further."""
 MOST_CELLS = 4 * 10**7
@@ -52,13 +49,14 @@ class Table:
 
 
 def read_table(path: Path) -> Table:
-    """The table in a CSV or Parquet file with whatever is wrong with its cells, which never raises."""
-    if path.suffix.lower().lstrip(".") not in FORMATS:
-        return _unreadable(path, f"is neither .csv nor .parquet; save it as one of {', '.join(FORMATS)}")
+    """The table in a text or Parquet file with whatever is wrong with its cells, which never raises."""
+    suffix = path.suffix.lower()
+    if suffix not in (*TEXTS, ".parquet"):
+        return _unreadable(path, f"is no table; save it as one of {', '.join(FORMATS)}")
     try:
         # Arrow, where it opens the file itself, tells the operating system's refusals on lines of its own.
         held = contents(path, LARGEST)
-        return _read_csv(path, held) if path.suffix.lower() == ".csv" else _read_parquet(path, held)
+        return _read_parquet(path, held) if suffix == ".parquet" else _read_text(path, held)
     except UnicodeDecodeError as error:
         return _unreadable(path, f"byte {error.start} is not UTF-8 text; save the file as UTF-8")
     except (pa.ArrowException, OSError, IndexError) as error:
@@ -94,23 +92,14 @@ def _read_parquet(path: Path, held: bytes) -> Table:
     return _numbers(path.name, data, np.arange(1, data.num_rows + 1), [])
 
 
-def _read_csv(path: Path, held: bytes) -> Table:
-    with io.TextIOWrapper(io.BytesIO(held), encoding="utf-8-sig", newline="") as lines:
-        head = lines.read(LONGEST_HEADER)
-    separator = ","
+def _read_text(path: Path, held: bytes) -> Table:
     try:
-        names = next(csv.reader(io.StringIO(head, newline="")), [])
-        if len(names) == 1 and (other := next((one for one in SEPARATORS if one in names[0]), None)):
-            separator = other
-            names = next(csv.reader(io.StringIO(head, newline=""), delimiter=separator))
-    except csv.Error as error:
-        return _unreadable(path, f"its first line cannot be read ({error}); it must name the columns")
-    if len(head) == LONGEST_HEADER and not set("\r\n") & set(head):
-        return _unreadable(path, f"its first line has more than {LONGEST_HEADER} letters; name fewer columns")
+        header = read_header(held)
+    except HeaderError as error:
+        return _unreadable(path, str(error))
+    names, held = header.names, header.text
     if len(names) > MOST_COLUMNS:
         return _unreadable(path, f"has {len(names)} columns, at most {MOST_COLUMNS}; leave some out")
-    if not any(names):
-        return _unreadable(path, "starts with an empty line or none; the first line must name the columns")
     rows = max(held.count(b"\n"), held.count(b"\r"))
     if rows * len(names) > MOST_CELLS:
         return _unreadable(
@@ -126,7 +115,9 @@ def _read_csv(path: Path, held: bytes) -> Table:
         data = pa.csv.read_csv(
             pa.BufferReader(held),
             pa.csv.ReadOptions(use_threads=False),
-            pa.csv.ParseOptions(delimiter=separator, ignore_empty_lines=False, invalid_row_handler=keep_note),
+            pa.csv.ParseOptions(
+                delimiter=header.separator, ignore_empty_lines=False, invalid_row_handler=keep_note
+            ),
             pa.csv.ConvertOptions(column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False),
         )
     except pa.ArrowInvalid:
@@ -135,7 +126,8 @@ def _read_csv(path: Path, held: bytes) -> Table:
         return _unreadable(path, _odd_header(odd_rows[0]))
     if len(odd_rows) > data.num_rows:
         return _unreadable(path, _odd_header(odd_rows[0]))
-    if separator != ",":
+    data = data.rename_columns([plain(name) for name in data.column_names])
+    if header.separator != ",":
         data = _with_points(data)
     # Arrow counts lines from 1 with the header as the first.
     odd = {row.number - 1: row for row in odd_rows}

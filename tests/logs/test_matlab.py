@@ -11,8 +11,9 @@ from swamp_rl.logs.import_logs import Reading, import_logs, read_log
 from swamp_rl.logs.listing import listing
 from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs import Run, read_dataset
-from swamp_rl.runs.import_dataset import About, kind_of
+from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
+from swamp_rl.runs.kind_of_file import kind_of
 from tests.support.from_scratch import written
 from tests.support.logs import weaving
 

@@ -126,13 +126,14 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
                 "the boat that has it (--map or --column, --drop, --boat)",
             ],
         ),
-        ({**foreign(), " Sway": [0.1] * 40}, WISHES, ["is sway of the run format", "--column sway=' Sway'"]),
+        ({**foreign(), " Sway": [0.1] * 40}, WISHES, ["is sway of the run format", "--column sway=Sway"]),
         ({**foreign(), "THROTTLE_BS": [0.1] * 40}, WISHES, ["--column throttle_bs=THROTTLE_BS"]),
         (
             {**foreign(), "clock": ["14:05:01"] * 40},
             WISHES,
             ["'14:05:01' is not a number", "--map time=clock"],
         ),
+        ({**foreign(), "local clock": ["14:05:01"] * 40}, WISHES, ["--map 'time=`local clock`'"]),
     ],
 )
 def test_what_is_wrong_is_named_by_file_row_and_column_and_nothing_is_written(

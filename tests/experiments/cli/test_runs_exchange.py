@@ -184,7 +184,9 @@ def test_a_folder_without_logs_is_refused_as_such(call: Callable[..., Called], t
     for folder in ("empty", "notes"):
         code, _, message = call("import", folder, "--list")
         assert (code, message.count("\n")) == (2, 1)
-        assert message.startswith(f"swamp-rl: {folder}: neither it nor a folder in it has .csv, .parquet")
+        assert message.startswith(
+            f"swamp-rl: {folder}: neither it nor a folder in it has .csv, .tsv, .parquet"
+        )
 
 
 def test_the_kind_of_an_mcap_file_is_that_of_the_program_that_wrote_it(

@@ -1,0 +1,89 @@
+"""Tables in text of other programs: their suffixes, what separates their cells, and their first line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swamp_rl.errors import UserError
+from swamp_rl.runs import read_dataset
+from swamp_rl.runs.import_dataset import import_runs
+from swamp_rl.runs.kind_of_file import kind_of
+from swamp_rl.runs.table import read_table
+from tests.support.runs import circling
+
+NAMES = ("time", "north", "east", "heading")
+
+
+def table(separator: str, mark: str = "", decimal: str = ".", indent: str = "") -> str:
+    columns = circling()
+    rows = zip(*(columns[name].tolist() for name in NAMES), strict=True)
+    lines = [separator.join(repr(value).replace(".", decimal) for value in row) for row in rows]
+    return mark + "".join(f"{indent}{line}\n" for line in (separator.join(NAMES), *lines))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("log.tsv", table("\t")),
+        ("log.txt", table("\t", decimal=",")),
+        ("log.txt", table(";", decimal=",")),
+        ("log.txt", table(" ")),
+        ("log.csv", table("   ", indent="  ")),
+        ("log.dat", table(" ", decimal=",").replace("\n", "\r\n")),
+        ("log.dat", table(" ", mark="# ")),
+        ("log.log", table(",", mark="%")),
+        ("log.csv", table(", ")),
+        ("log.csv", table(" ; ", decimal=",").replace("north", '"north"')),
+        ("log.LOG", table(",", mark="\ufeff# ")),
+    ],
+)
+def test_a_table_in_text_is_read_whatever_its_suffix_and_separator(
+    tmp_path: Path, name: str, text: str
+) -> None:
+    path = tmp_path / name
+    path.write_bytes(text.encode())
+    assert kind_of([path]) == "csv"
+    import_runs([path], "csv", tmp_path / "out")
+    (run,) = read_dataset(tmp_path / "out").runs
+    for column in NAMES:
+        np.testing.assert_array_equal(run.columns[column], circling()[column])
+
+
+@pytest.mark.parametrize("first", ["0.0,1.0,2.0", "0 1.5 2", "1e3\t2\t3", "nan;1;2"])
+def test_a_first_line_of_numbers_is_not_taken_for_names(tmp_path: Path, first: str) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text(f"{first}\n{first}\n")
+    (fault,) = read_table(path).faults
+    assert "its first line holds numbers; the first line must name the columns" in str(fault)
+
+
+def test_whole_numbers_may_be_names(tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_text("0,1,2\n5,6,7\n")
+    assert list(read_table(path).columns) == ["0", "1", "2"]
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "part"),
+    [
+        (
+            "log.txt",
+            "$GPGGA,022718.80,2234.0,N,11431.9,E\n$GPGGA,022719.80,2234.0,N,11431.9,E\n",
+            "give --from",
+        ),
+        ("log.txt", "Lake test\nt x y\n0 1 2\n", "give --from"),
+        ("log.log", "", "give --from"),
+        ("log.txt", "t,°\n0,1\n", "give --from"),
+        ("day.xlsx", "PK", "is not read; save the sheet as CSV"),
+        ("day.csv.gz", "", "is not read; unpack it"),
+        ("day.npz", "PK", "is not read; write its columns to a CSV or Parquet file"),
+        ("day.tlog", "", "is not read; import the autopilot's .bin log"),
+    ],
+)
+def test_another_file_is_refused_with_what_to_do(tmp_path: Path, name: str, text: str, part: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(text.encode("cp1252"))
+    with pytest.raises(UserError, match=f"{name}: .*{part}") as error:
+        kind_of([path])
+    assert len(str(error.value).splitlines()) == 1
