@@ -94,7 +94,7 @@ def _kinds(source: Path) -> set[str | None]:
             return {"rosbag" if is_bag_folder(path) else _kind_of_file(path) for path in logs}
     raise UserError(
         f"{source}: neither it nor a folder in it has {', '.join(SURE)} or .mcap files; check the name, "
-        "or give --from telemetry"
+        "name text files one by one, or give --from telemetry"
     )
 
 

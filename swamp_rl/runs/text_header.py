@@ -15,7 +15,6 @@ SEPARATORS = ";", "\t"
 LONGEST_HEADER = 2**17
 COMMENT = re.compile(rb"(\xef\xbb\xbf)?[#%]+[ \t]*(?=\w)")
 """Before the names in files of NumPy, MATLAB or gnuplot."""
-AT_ENDS, SPACES = re.compile(rb"(?m)^ +| +(?=\r?$)"), re.compile(rb" +")
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,9 @@ def read_header(text: bytes) -> Header:
     if not any(names):
         raise HeaderError("starts with an empty line or none; the first line must name the columns")
     if separator == " ":
-        text, separator = SPACES.sub(b"\t", AT_ENDS.sub(b"", text)), "\t"
+        whole = text.endswith((b"\n", b"\r"))
+        text = b"\n".join(b"\t".join(line.split()) for line in text.splitlines()) + b"\n" * whole
+        separator = "\t"
     if _are_values(names):
         raise HeaderError("its first line holds numbers; the first line must name the columns, add one")
     return Header(names, separator, text)
