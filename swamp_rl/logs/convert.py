@@ -1,7 +1,7 @@
 """A log and a mapping as one foreign table: expressions evaluated, clocks aligned, tables joined by time."""
 
 from collections.abc import Mapping as Mapped
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from operator import itemgetter
 from typing import Any
 
@@ -23,6 +23,15 @@ from swamp_rl.logs.frames import (
 )
 from swamp_rl.logs.join import Series, joined
 from swamp_rl.logs.log import Log, LogTable, words_of
+from swamp_rl.logs.mapped_column import (
+    MOST_NAMED,
+    Column,
+    columns_of,
+    find,
+    resolved,
+    values_of,
+    with_mixtures,
+)
 from swamp_rl.logs.mapping import Mapping, is_time
 from swamp_rl.runs.bad_rows import first_of
 from swamp_rl.runs.check import repeated_times
@@ -37,18 +46,8 @@ from swamp_rl.runs.table import Table, cell_text
 from swamp_rl.runs.units import factor
 
 Array = NDArray[np.float64]
-MOST_NAMED = 12
 NOMINAL = 0.01
 """Of a rate: an irregular stamp moves the median step by as much, in one log otherwise than in the next."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """A mapped column: its expression, the table that it reads, and the names of that table's columns."""
-
-    node: Node
-    table: str
-    names: Mapped[str, str]
 
 
 def foreign_of(
@@ -62,12 +61,9 @@ def foreign_of(
     mapping that does not fit together, tables without a common time.
     """
     refuse_halves(mapping.columns)
-    found = {
-        name: _resolved(log, f"--map {name}", node)
-        for name, node in mapping.columns.items()
-        if not is_time(name)
-    }
-    for name in mapping.columns.keys() - found.keys() - {"time"}:
+    nodes = {name: node for name, node in mapping.columns.items() if not is_time(name)}
+    found, mixed = columns_of(log, nodes)
+    for name in mapping.columns.keys() - nodes.keys() - {"time"}:
         if (table := name.rpartition(".")[0]) not in log.tables:
             near = nearest(table, list(log.tables))
             raise UserError(f"{log.file}: --map {name}: there is no table {clipped(table)!r}{near}")
@@ -80,7 +76,7 @@ def foreign_of(
         raise UserError(f"{log.file}: --rate: counts the rows of one table without times; leave it out")
     stamps = on_one_day({name: _stamps(log, log.tables[name], mapping, counted) for name in used})
     metadata: dict[str, Any] = dict(log.metadata) | _left_out(log, mapping, found, used)
-    units = {column_of(name, mapping): unit for name, unit in mapping.units.items() if name in found}
+    units = {column_of(name, mapping): unit for name, unit in mapping.units.items() if name in nodes}
     metadata |= {"units": units} if units else {}
     metadata |= {"velocity_axes": "earth"} if {"vx", "velocity_north"} & found.keys() else {}
     times = [one.note for one in stamps.values() if one.note]
@@ -95,7 +91,7 @@ def foreign_of(
     for name, column in found.items():
         table = column.table or used[0]
         offset = stamps[table].start - first + shifts.get(table, (0.0, ""))[0]
-        time, values = stamps[table].time + offset, _values(log, mapping, name, column, stamps[table])
+        time, values = stamps[table].time + offset, values_of(log, mapping, name, column, stamps[table])
         series[name] = Series(table, time, values, _lost(log, mapping, name, column, time))
     series = _without_quaternion(log, series)
     lost = condensed([fault for one in series.values() for _, fault in one.lost])
@@ -104,10 +100,11 @@ def foreign_of(
         refuse_beyond_turn(log.file, name, series[name].time, series[name].values, mapping.units.get(name))
     rate = rate or _rate(log, series)
     grid = joined(log.file, series, rate, fill)
-    columns = _in_our_frame(log, grid.columns, mapping)
+    columns = _in_our_frame(log, with_mixtures(grid.columns, mixed, mapping), mapping)
     unread = _unread(columns, grid.unread)
     rows = np.arange(1, len(columns["time"]) + 1)
-    faults = [_renamed(fault, mapping) for fault in grid.faults]
+    whole = {part: name for name, one in mixed.items() for part in one.parts.values()}
+    faults = [_renamed(_of(whole.get(str(fault.column)), fault), mapping) for fault in grid.faults]
     table_of_all = Table(columns, rows, unread, faults)
     metadata["joined"] = grid.note
     return Foreign(
@@ -152,7 +149,7 @@ def _single(
 ) -> Foreign:
     """Of one table: its rows as they are, with the faults of the cells that the mapping reads."""
     table = log.tables[next((c.table for c in found.values() if c.table), next(iter(log.tables)))].table
-    columns = {name: _values(log, mapping, name, column, stamps) for name, column in found.items()}
+    columns = {name: values_of(log, mapping, name, column, stamps) for name, column in found.items()}
     if set(QUATERNION) <= set(columns):
         columns["yaw"] = _yaw(columns)
     if "yaw" in columns:  # it is wrapped, other angles are checked as they are
@@ -192,6 +189,11 @@ def _lost(log: Log, mapping: Mapping, name: str, column: Column, time: Array) ->
     return sorted((cell for cell in cells if np.isfinite(cell[0])), key=itemgetter(0))
 
 
+def _of(mixture: str | None, fault: Fault) -> Fault:
+    """The fault of a part of a mixture, of the mixture."""
+    return fault if mixture is None else replace(fault, column=mixture)
+
+
 def _mapped(fault: Fault, ours: str) -> Fault:
     """The fault of a column of the log, of the mapped one that reads it."""
     there = "" if fault.column == ours else f" (there {clipped(fault.column)!r})"
@@ -202,50 +204,6 @@ def _renamed(fault: Fault, mapping: Mapping) -> Fault:
     """The fault of a mapped column, of the column of the run that is made of it."""
     name = str(fault.column)
     return replace(fault, column=column_of(name, mapping))
-
-
-def _resolved(log: Log, where: str, node: Node) -> Column:
-    """The one table that an expression reads, and its columns by the names in the expression."""
-    tables: dict[str, dict[str, str]] = {}
-    for word in dict.fromkeys(names_in(node)):
-        table, column = _find(log, where, word)
-        tables.setdefault(table, {})[word] = column
-    if len(tables) > 1:
-        raise UserError(
-            f"{log.file}: {where}: reads the tables {' and '.join(tables)}, whose rows have times of their "
-            "own; map each to a column of its own, then import that dataset with this expression of its "
-            "columns"
-        )
-    return Column(node, *next(iter(tables.items()), ("", {})))
-
-
-def _find(log: Log, where: str, word: str) -> tuple[str, str]:
-    """The table and the column that a name means: TABLE.COLUMN, or a column of the only table."""
-    if len(log.tables) == 1:
-        table = next(iter(log.tables.values()))
-        if word in table.table.columns:
-            return table.name, word
-    name, _, column = word.partition(".")
-    if name in log.tables and column in log.tables[name].table.columns:
-        return name, column
-    if name in log.tables:
-        known = list(log.tables[name].table.columns)
-        what = f"{name} has no field {clipped(column)!r}" if column else f"{name} is a table; name its field"
-    elif len(log.tables) == 1:
-        known = list(next(iter(log.tables.values())).table.columns)
-        what = f"there is no column {clipped(word)!r}"
-    else:
-        known, what = list(log.tables), f"there is no table {clipped(name)!r}"
-    some = known if len(known) <= MOST_NAMED else sorted(known, key=lambda other: other[:1] != word[:1])
-    raise UserError(f"{log.file}: {where}: {what}{nearest(column or word, some[:60])}"[:1500])
-
-
-def _values(log: Log, mapping: Mapping, name: str, column: Column, stamps: Stamps) -> Array:
-    """A mapped column (T,) at the times of its table, in our unit."""
-    there = {word: log.tables[column.table].table.columns[theirs] for word, theirs in column.names.items()}
-    values = np.array(np.broadcast_to(evaluated(column.node, there, stamps.time), stamps.time.shape))
-    unit = mapping.units.get(name)
-    return values if unit is None else values * factor(name, unit, column_of(name, mapping))
 
 
 def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) -> Stamps:
@@ -265,7 +223,7 @@ def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) 
     alone = Log(log.file, log.name, {table.name: table})
     if len(log.tables) > 1 and name == "time":
         where += f" of table {table.name} (--map {table.name}.time=COLUMN gives its own)"
-    there = {word: _find(alone, where, word)[1] for word in words}
+    there = {word: find(alone, where, word)[1] for word in words}
     if len(words) == 1 and (cells := words_of(table, there[words[0]])) is not None:
         stamps = from_words(cells)
         if stamps is None:
@@ -348,7 +306,7 @@ def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str
     settled: set[str] = set()
     for pair in mapping.clock:
         where = f"{log.file}: {pair.where}"
-        first, second = (_resolved(log, pair.where, node) for node in (pair.one, pair.other))
+        first, second = (resolved(log, pair.where, node) for node in (pair.one, pair.other))
         for column in (first, second):
             if column.table not in stamps:
                 raise UserError(f"{where}: table {column.table or '(none)'} is not used by the mapping")
@@ -372,7 +330,7 @@ def _clocks(log: Log, mapping: Mapping, stamps: Mapped[str, Stamps]) -> dict[str
 def _record(log: Log, column: Column, stamps: Stamps, begin: float) -> tuple[Array, Array]:
     """Times [s] from `begin` and values of a column, where both are finite."""
     time = stamps.time + stamps.start - begin
-    values = _values(log, Mapping(), "clock", column, stamps)
+    values = values_of(log, Mapping(), "clock", column, stamps)
     known = np.isfinite(time) & np.isfinite(values)
     return time[known], values[known]
 

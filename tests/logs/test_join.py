@@ -48,18 +48,39 @@ def throttle(time: np.ndarray) -> dict[str, np.ndarray]:
 COMMANDS = [*POSES, "throttle_port=cmd.port", "throttle_starboard=cmd.port"]
 
 
-def test_a_command_of_two_tables_is_mixed_from_the_columns_of_a_dataset(tmp_path: Path) -> None:
+def test_a_command_is_mixed_from_tables_with_times_of_their_own(tmp_path: Path) -> None:
+    changes = {"t": np.array([-0.3, 7.33, 15.21]), "gear": np.array([1.0, -1.0, 0.0])}
+    tables = {"pos": poses(), "level": throttle(TIME - 0.04), "gear": changes}
+    mixed = ["throttle_port=where(gear.gear == 0, 0, gear.gear * level.port)", "throttle_starboard=0"]
+    run = joined(tmp_path, tables, [*POSES, *mixed])
+    before = np.searchsorted(changes["t"], TIME, side="right") - 1
+    level = 0.5 + 0.1 * np.sin(TIME - 0.04)
+    assert run.columns["throttle_port"] == pytest.approx(changes["gear"][before] * level, abs=1e-12)
+    assert not [name for name in run.columns if "level" in name or "gear" in name]
+    assert "not_imported" not in (run.meta.model_extra or {})
+
+
+def test_a_mixed_command_has_the_unit_of_its_expression(tmp_path: Path) -> None:
     tables = {"pos": poses(), "force": throttle(TIME), "turn": throttle(TIME)}
-    mixed = ["throttle_port=force.port - turn.port", "throttle_starboard=0"]
+    mixed = ["throttle_port=100 * (force.port - turn.port / 2)", "throttle_starboard=0"]
+    run = joined(tmp_path, tables, [*POSES, *mixed], Wishes(units={"throttle_port": "percent"}))
+    assert run.columns["throttle_port"] == pytest.approx(0.25 + 0.05 * np.sin(TIME), abs=1e-12)
+    assert (run.meta.model_extra or {})["units"] == {"throttle_port": "percent"}
+
+
+def test_a_pause_of_either_table_of_a_mixed_command_is_a_bad_stretch(tmp_path: Path) -> None:
+    paused = throttle(np.delete(TIME, slice(100, 150)))
+    for names in (("force", "turn"), ("turn", "force")):
+        tables = {"pos": poses(), names[0]: throttle(TIME), names[1]: paused}
+        mixed = ["throttle_port=force.port - turn.port", "throttle_starboard=0"]
+        with pytest.raises(UserError, match=f"column throttle_port: {names[1]} has no value for 5.1"):
+            joined(tmp_path, tables, [*POSES, *mixed])
+
+
+def test_another_quantity_of_two_tables_is_refused(tmp_path: Path) -> None:
+    tables = {"pos": poses(), "force": throttle(TIME), "turn": throttle(TIME)}
     with pytest.raises(UserError, match=r"reads the tables force and turn.*map each to a column of its own"):
-        joined(tmp_path, tables, [*POSES, *mixed])
-    joined(tmp_path, tables, [*POSES, "force=force.port", "turn=turn.port"])
-    ours = ["time=time", "north=north", "east=east", "heading=heading"]
-    reading = Reading(mapping_of([*ours, "throttle_port=force - turn / 2", "throttle_starboard=0"]))
-    about = About(boat=str(tmp_path / "twin.yaml"))
-    import_logs([tmp_path / "out"], "parquet", tmp_path / "mixed", about, Wishes(), reading)
-    (run,) = read_dataset(tmp_path / "mixed").runs
-    assert run.columns["throttle_port"] == pytest.approx(0.25 + 0.05 * np.sin(TIME), abs=1e-3)
+        joined(tmp_path, tables, [*POSES, "yaw_rate=force.port - turn.port"])
 
 
 def test_a_run_ends_where_commands_sent_at_a_rate_end_and_it_is_reported(tmp_path: Path) -> None:
