@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.counted import counted
 from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
@@ -131,17 +132,24 @@ def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishe
 
 def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]:
     """The runs of all tables; UserError with the faults of all that have any."""
-    runs, refused = [], []
+    runs: list[Run] = []
+    refused: dict[str, list[str]] = {}  # what is wrong, and the files of which it is said
     for one in found:
         try:
             runs += runs_from(one, wishes, boat)
         except UserError as error:
-            refused += str(error).splitlines()
+            for line in str(error).removesuffix(f"; {REFUSED}").splitlines():
+                own = line.removeprefix(f"{one.file}: ")
+                refused.setdefault(own, []).extend([one.file] * (own != line))
     if refused:
-        # what every file lacks, such as a package, is named once
-        refused = list(dict.fromkeys(line.removesuffix(f"; {REFUSED}") for line in refused))
-        raise UserError(listed(refused, REFUSED))
+        raise UserError(listed([_of_files(files, fault) for fault, files in refused.items()], REFUSED))
     return runs
+
+
+def _of_files(files: Sequence[str], fault: str) -> str:
+    """A fault with the first of its files and the number of the others."""
+    others = f" and {counted(len(files) - 1, 'other')}" if len(files) > 1 else ""
+    return f"{files[0]}{others}: {fault}" if files else fault
 
 
 def _earlier(runs: list[Run], wishes: Wishes) -> list[Run]:

@@ -73,7 +73,8 @@ def test_all_that_is_missing_is_listed_a_line_each(call: Callable[..., Called], 
     assert all(line.startswith("swamp-rl: ") for line in lines) and "nothing was imported" in lines[-1]
     log.with_name("other.csv").write_bytes(log.read_bytes())
     code, _, message = call("import", log, "other.csv", "--from", "csv", "--out", "day", *RENAMED[:2])
-    assert message.count("is missing") == 6 and message.count("nothing was imported") == 1
+    assert message.count("log.csv and 1 other: column") == 3
+    assert message.count("is missing") == 3 and message.count("nothing was imported") == 1
 
 
 @pytest.mark.parametrize(
