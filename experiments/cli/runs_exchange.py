@@ -8,7 +8,7 @@ from swamp_rl.experiments.cli.place import place_of
 from swamp_rl.experiments.cli.runs import BoatOption, Folder, boat_for, runs_app
 
 from swamp_rl.clipped import clipped
-from swamp_rl.counted import counted
+from swamp_rl.counted import and_others, counted
 from swamp_rl.errors import LONGEST, UserError
 
 if TYPE_CHECKING:
@@ -172,9 +172,10 @@ def import_(
             raise UserError("--column, --drop: a mapping replaces these options; give --map OUR=THEIRS")
         reading = Reading(mapping_of(map_ or [], frame, clock or []), join, join_folders)
         made = import_logs(sources, kind, out, about, wishes, reading)
+        _tell(out, made, "--map")
     else:
         made = import_runs(sources, cast(Kind, kind), out, about, wishes)
-    _tell(out, made)
+        _tell(out, made, "--column")
 
 
 def _list(sources: list[Path], kind: str, folders: bool) -> None:
@@ -189,16 +190,17 @@ def _list(sources: list[Path], kind: str, folders: bool) -> None:
             typer.echo(line)
 
 
-def _tell(out: Path, made: "DatasetMeta") -> None:
-    """Print how the rows of imported runs were changed, and how many there are."""
+def _tell(out: Path, made: "DatasetMeta", option: str) -> None:
+    """Print how the rows of imported runs were changed, and how many there are; option: it names columns."""
+    told: dict[str, list[str]] = {}
     for run in made.runs:
         entries = run.model_extra or {}
-        for key in NOTED:
-            if key in entries:
-                typer.echo(clipped(f"{run.file}: {key.replace('_', ' ')}: {entries[key]}", LONGEST))
-        for line in (*entries.get("cells_left_out", ()), *entries.get("rows_left_out", ())):
-            typer.echo(clipped(f"{run.file}: {line}", LONGEST))
-    without = _without_commands(out, made)
+        lines = [f"{key.replace('_', ' ')}: {entries[key]}" for key in NOTED if key in entries]
+        for line in (*lines, *entries.get("cells_left_out", ()), *entries.get("rows_left_out", ())):
+            told.setdefault(line, []).append(str(run.file))
+    for line, files in told.items():
+        typer.echo(clipped(f"{and_others(files)}: {line}", LONGEST))
+    without = _without_commands(out, made, option)
     if without:
         typer.echo(without)
     rows = sum(run.rows or 0 for run in made.runs)
@@ -207,7 +209,7 @@ def _tell(out: Path, made: "DatasetMeta") -> None:
     )
 
 
-def _without_commands(out: Path, made: "DatasetMeta") -> str:
+def _without_commands(out: Path, made: "DatasetMeta", option: str) -> str:
     """A line if the first run, and so all that were imported alike, has no command of the dataset's boat."""
     from swamp_rl.boat import load_boat
     from swamp_rl.runs.columns import command_columns
@@ -220,7 +222,7 @@ def _without_commands(out: Path, made: "DatasetMeta") -> str:
         return ""
     return (
         f"{out}: no commands of boat {boat.name} ({', '.join(commands)}): diagnose and identify need them; "
-        f"import with --column {commands[0]}=THEIRS"
+        f"import with {option} {commands[0]}=THEIRS"
     )
 
 

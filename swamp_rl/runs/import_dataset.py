@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Literal, get_args
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.counted import counted
+from swamp_rl.counted import and_others
 from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
@@ -142,14 +142,9 @@ def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]
                 own = line.removeprefix(f"{one.file}: ")
                 refused.setdefault(own, []).extend([one.file] * (own != line))
     if refused:
-        raise UserError(listed([_of_files(files, fault) for fault, files in refused.items()], REFUSED))
+        lines = [f"{and_others(files)}: {one}" if files else one for one, files in refused.items()]
+        raise UserError(listed(lines, REFUSED))
     return runs
-
-
-def _of_files(files: Sequence[str], fault: str) -> str:
-    """A fault with the first of its files and the number of the others."""
-    others = f" and {counted(len(files) - 1, 'other')}" if len(files) > 1 else ""
-    return f"{files[0]}{others}: {fault}" if files else fault
 
 
 def _earlier(runs: list[Run], wishes: Wishes) -> list[Run]:
