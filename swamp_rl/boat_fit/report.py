@@ -67,7 +67,7 @@ def summary(found: Identification) -> list[str]:
     shown = sum(one.shown for one in found.fitted)
     lines = [
         f"The runs determine {shown} of {len(found.fitted)} free numbers; the others keep "
-        "the widths of their priors.",
+        "the standard deviations of their priors.",
         prediction_sentence(found),
         start_sentence(found.before, found.predicted),
         *left_out(found.wiring.boat, found.fitted),

@@ -28,6 +28,7 @@ from swamp_rl.logs.mapped_column import (
     Column,
     columns_of,
     find,
+    of_mixtures,
     resolved,
     values_of,
     with_mixtures,
@@ -103,8 +104,7 @@ def foreign_of(
     columns = _in_our_frame(log, with_mixtures(grid.columns, mixed, mapping), mapping)
     unread = _unread(columns, grid.unread)
     rows = np.arange(1, len(columns["time"]) + 1)
-    whole = {part: name for name, one in mixed.items() for part in one.parts.values()}
-    faults = [_renamed(_of(whole.get(str(fault.column)), fault), mapping) for fault in grid.faults]
+    faults = [_renamed(fault, mapping) for fault in of_mixtures(grid.faults, mixed)]
     table_of_all = Table(columns, rows, unread, faults)
     metadata["joined"] = grid.note
     return Foreign(
@@ -187,11 +187,6 @@ def _lost(log: Log, mapping: Mapping, name: str, column: Column, time: Array) ->
         if fault.row is not None and fault.column in column.names.values()
     ]
     return sorted((cell for cell in cells if np.isfinite(cell[0])), key=itemgetter(0))
-
-
-def _of(mixture: str | None, fault: Fault) -> Fault:
-    """The fault of a part of a mixture, of the mixture."""
-    return fault if mixture is None else replace(fault, column=mixture)
 
 
 def _mapped(fault: Fault, ours: str) -> Fault:

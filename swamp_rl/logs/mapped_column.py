@@ -1,7 +1,8 @@
 """What a mapped column is made of: the tables and columns of a log that its expression reads."""
 
 from collections.abc import Mapping as Mapped
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from swamp_rl.logs.expression import Name, Node, evaluated, names_in
 from swamp_rl.logs.frames import column_of
 from swamp_rl.logs.log import Log
 from swamp_rl.logs.mapping import Mapping
+from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.resample import is_held
 from swamp_rl.runs.stamps import Stamps
 from swamp_rl.runs.units import factor
@@ -70,6 +72,12 @@ def with_mixtures(
         there = {word: columns[part] for word, part in one.parts.items()}
         made[name] = _in_our_unit(evaluated(one.node, there, columns["time"]), name, mapping)
     return made
+
+
+def of_mixtures(faults: Sequence[Fault], mixed: Mapped[str, Mixture]) -> list[Fault]:
+    """The faults, those of a column that is mixed as faults of the command."""
+    commands = {part: name for name, one in mixed.items() for part in one.parts.values()}
+    return [replace(one, column=commands.get(str(one.column), one.column)) for one in faults]
 
 
 def resolved(log: Log, where: str, node: Node) -> Column:
