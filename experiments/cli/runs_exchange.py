@@ -163,7 +163,7 @@ def import_(
     about = About(boat, source, course, notes, outcome, group, topic, sender, repair)
     kind = from_ or kind_of(sources)
     if list_:
-        _list(sources, kind, join_folders)
+        _list(sources, kind, join_folders, join, boat)
         return
     if out is None:
         raise UserError("--out: the new dataset has no name; give one, or --list")
@@ -178,15 +178,21 @@ def import_(
         _tell(out, made, "--column")
 
 
-def _list(sources: list[Path], kind: str, folders: bool) -> None:
-    """The tables and fields of logs."""
-    from swamp_rl.logs.import_logs import read_logs
+def _list(sources: list[Path], kind: str, folders: bool, join: str | None, boat: str | None) -> None:
+    """The tables and fields of logs, and the options that names suggest where no mapping is the default."""
+    from swamp_rl.boat import load_boat
+    from swamp_rl.logs.import_logs import BINARY, as_one, read_logs
     from swamp_rl.logs.listing import listing
+    from swamp_rl.logs.proposal import proposal
 
     if kind in ("mcap", "telemetry", "free-running"):
         raise UserError(f"--list: is not for --from {kind}; MCAP with CDR is --from rosbag")
-    for log in read_logs(sources, kind, None, folders):
+    logs = list(read_logs(sources, kind, None, folders))
+    for log in logs if join is None else [as_one(logs, join)]:
         for line in listing(log):
+            typer.echo(line)
+    if kind not in BINARY:
+        for line in proposal(logs if join is None else [as_one(logs, join)], load_boat(boat or "swamp")):
             typer.echo(line)
 
 

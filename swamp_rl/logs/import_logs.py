@@ -79,7 +79,7 @@ def import_logs(
         logs += parts
         mappings += [_whole_mapping(kind, part, mapping, boat) for part in parts]
     if reading.join is not None:
-        logs, mappings = [_as_one(logs, reading.join)], mappings[:1] if kind in BINARY else [mapping]
+        logs, mappings = [as_one(logs, reading.join)], mappings[:1] if kind in BINARY else [mapping]
     datasets = {home: read_meta(home) for home in {log.home for log in logs} if home is not None}
     pairs = list(zip(logs, mappings, strict=True))
     _refuse_units(pairs[0][1], wishes.units)
@@ -226,7 +226,7 @@ def read_log(path: Path, kind: str, wanted: Collection[str] | None = None) -> Lo
     return read_matlab(path) if kind == "matlab" else read_table_log(path)
 
 
-def _as_one(logs: Sequence[Log], name: str) -> Log:
+def as_one(logs: Sequence[Log], name: str) -> Log:
     """The tables of several files as one log."""
     tables = {table.name: table for log in logs for table in log.tables.values()}
     return Log(" + ".join(Path(log.file).name for log in logs), name, tables)

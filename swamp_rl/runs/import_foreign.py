@@ -283,9 +283,9 @@ def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:
     elif "percent" in fault.message:
         hint += f" (--unit {name}=percent)"
     elif "is not a number" in fault.message and TIME_OF_DAY.search(fault.message):
-        hint += f", or read it as times: {_option('--map time=', theirs or fault.column)}"
+        hint += f", or read it as times: {option_of('--map time=', theirs or fault.column)}"
     elif "is not a number" in fault.message and fault.column not in REQUIRED:
-        drop = f": {_option('--drop ', theirs or fault.column)}"
+        drop = f": {option_of('--drop ', theirs or fault.column)}"
         hint += f", or leave the column out{' of the mapping' if mapped else drop}"
     elif fault.row is None or "--bad-rows" in fault.message:
         return f"{fault}{hint}"
@@ -294,7 +294,7 @@ def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:
     return f"{fault}{hint}"
 
 
-def _option(words: str, column: str | None) -> str:
+def option_of(words: str, column: str | None) -> str:
     """An option of `runs import` that ends in a column's name, as a shell and `--map` take it."""
     name = str(column)
     option, space, begin = words.partition(" ")

@@ -1,0 +1,147 @@
+"""A mapping that the names of a table's columns suggest, for a person to check."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from swamp_rl.boat import Boat
+from swamp_rl.logs.log import Log
+from swamp_rl.runs.columns import command_columns
+from swamp_rl.runs.import_foreign import option_of
+
+WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+|%|°")
+UNITS = {
+    "deg": "deg degree degrees °",
+    "deg/s": "dps degs",
+    "kn": "kn knot knots kt kts",
+    "km/h": "kmh kph",
+    "percent": "percent pct %",
+    "rpm": "rpm",
+    "cm": "cm",
+    "mm": "mm",
+    "ms": "ms",
+    "us": "us",
+    "ns": "ns",
+    "": "rad rads m s mps rps",
+}
+"""Words for units by what `--unit` calls them; none is needed of SI units."""
+SAME = {
+    "time": "timestamp stamp sec secs seconds epoch",
+    "lat": "latitude",
+    "lon": "longitude long lng",
+    "north": "n northing",
+    "east": "e easting",
+    "heading": "hdg",
+    "position": "pos",
+    "velocity": "vel velocities speed",
+    "gyro": "gyr omega",
+    "port": "left",
+    "starboard": "right stbd stb",
+    "throttle": "motor thrust thruster",
+    "azimuth": "steering",
+}
+"""Other words for a word."""
+SOURCES = "ahrs baro data ekf est estimated fix fused gnss gps imu ins meas measured nav raw ros usv"
+"""Words for where a quantity is from, which are left out."""
+NAMES = {
+    "time": "time, t, ts, utc, datetime, date time, utc time",
+    "latitude": "lat, position lat",
+    "longitude": "lon, position lon",
+    "north": "north, position north",
+    "east": "east, position east",
+    "x": "x, position x",
+    "y": "y, position y",
+    "heading": "heading, yaw, psi, compass, compass heading, yaw angle, heading angle",
+    "velocity_north": "velocity north, vn, v north",
+    "velocity_east": "velocity east, ve, v east",
+    "u": "u, surge, surge velocity",
+    "v": "sway, sway velocity",
+    "yaw_rate": "yaw rate, yawrate, gyro z, gz, wz, turn rate",
+}
+"""Words of names by the quantities of a mapping, without units and sources."""
+TOGETHER = ("latitude", "longitude"), ("north", "east"), ("x", "y"), ("velocity_north", "velocity_east")
+"""Quantities of which one alone is none; of the first three the first that is there is the position."""
+
+UNIT_OF, WORD_OF = (
+    {other: word for word, others in table.items() for other in others.split()} for table in (UNITS, SAME)
+)
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """A column that may be a quantity, named as in an expression, and its unit, empty where none is named."""
+
+    column: str
+    unit: str
+
+
+def proposal(logs: Sequence[Log], boat: Boat) -> Iterator[str]:
+    """Lines: the options that the names suggest for logs that are alike, and what they do not have."""
+    found = [_suggested(log, boat) for log in logs if log.home is None]
+    if not found or not found[0] or any(one != found[0] for one in found):
+        return
+    suggested = found[0]
+    yield f"by their names, to be checked: {' '.join(_options(suggested))}"
+    position = next((pair for pair in TOGETHER[:3] if suggested.keys() >= set(pair)), ("north", "east"))
+    wanted = ("time", *position, "heading", *command_columns(boat))
+    if lacking := [name for name in wanted if name not in suggested and not name.endswith(".time")]:
+        yield f"not found by name: {', '.join(lacking)}"
+
+
+def _suggested(log: Log, boat: Boat) -> dict[str, Suggestion]:
+    """The columns of a log that by their names are quantities or commands of the boat."""
+    several = len(log.tables) > 1
+    there = [
+        (Suggestion(f"{table.name}.{column}" if several else column, unit), words)
+        for table in log.tables.values()
+        for column in table.table.columns
+        for words, unit in [_words_of(column)]
+    ]
+    found: dict[str, Suggestion] = {}
+    for name, known in NAMES.items():
+        fitting = [one for one, words in there if words in map(_set_of, known.split(", "))]
+        if name == "time" and several:
+            names = {one.column.partition(".")[2] for one in fitting}
+            fitting = [Suggestion(names.pop(), "")] if len(names) == 1 else []
+        if fitting:
+            found[name] = fitting[0]
+    for pair in TOGETHER:
+        for name in pair if not found.keys() >= set(pair) else ():
+            found.pop(name, None)
+    for less, more in ((TOGETHER[1], TOGETHER[0]), (TOGETHER[2], TOGETHER[1]), (TOGETHER[2], TOGETHER[0])):
+        for name in less if more[0] in found else ():
+            found.pop(name, None)
+    return found | _commands(there, boat)
+
+
+def _commands(there: Iterable[tuple[Suggestion, frozenset[str]]], boat: Boat) -> dict[str, Suggestion]:
+    """Columns that have words of the name of one command alone, the first of which is its kind."""
+    commands = {name: _set_of(name.replace("_", " ")) for name in command_columns(boat)}
+    found: dict[str, Suggestion] = {}
+    for one, words in there:
+        fitting = [name for name, own in commands.items() if words <= own and name.split("_")[0] in words]
+        if len(fitting) == 1:
+            found.setdefault(fitting[0], one)
+    return found
+
+
+def _words_of(column: str) -> tuple[frozenset[str], str]:
+    """The words of a column's name without its unit and source, and the unit."""
+    words = [word.lower() for word in WORD.findall(column)]
+    units = [UNIT_OF[word] for word in words[1:] if word in UNIT_OF]
+    unit = "deg/s" if "deg" in units and words[-1] == "s" else next(filter(None, units), "")
+    plain = words[:1] + [word for word in words[1:] if word not in UNIT_OF]
+    kept = [word for word in plain if word not in SOURCES.split()] or plain
+    return _set_of(" ".join(kept)), unit
+
+
+def _set_of(words: str) -> frozenset[str]:
+    return frozenset(WORD_OF.get(word, word) for word in words.split())
+
+
+def _options(suggested: dict[str, Suggestion]) -> Iterator[str]:
+    for name, one in suggested.items():
+        yield option_of(f"--map {name}=", one.column)
+        of_time = one.unit in ("ms", "us", "ns")  # m/s in the name of a velocity
+        if one.unit and name not in TOGETHER[0] and of_time == (name == "time"):
+            yield f"--unit {name}={one.unit}"

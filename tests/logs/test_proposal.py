@@ -1,0 +1,118 @@
+"""Options of an import that the names of columns suggest."""
+
+import shlex
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from swamp_rl.experiments.cli import app as cli
+
+from swamp_rl.boat import load_boat
+from swamp_rl.logs.log import Log, LogTable
+from swamp_rl.logs.proposal import proposal
+from swamp_rl.runs import read_dataset
+from swamp_rl.runs.table import Table
+from tests.support.from_scratch import written
+from tests.support.logs import csv_of, weaving
+
+Call = Callable[..., str]
+
+
+@pytest.fixture
+def call(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Call:
+    monkeypatch.chdir(tmp_path)
+
+    def called(*words: object) -> str:
+        monkeypatch.setattr(sys, "argv", ["swamp-rl", "runs", "import", *map(str, words)])
+        with pytest.raises(SystemExit) as stop:
+            cli.main()
+        assert not stop.value.code
+        return capsys.readouterr().out
+
+    return called
+
+
+def log_of(**tables: list[str]) -> Log:
+    rows = np.arange(1, 4)
+    there = {
+        name: LogTable(name, Table({column: np.zeros(3) for column in columns}, rows))
+        for name, columns in tables.items()
+    }
+    return Log("day.csv", "day", there)
+
+
+def suggested(boat: str, *logs: Log) -> tuple[dict[str, str], list[str]]:
+    """The words after `--map` and `--unit` by our names, and the names that are not found."""
+    options, *missing = proposal(logs, load_boat(boat))
+    words = shlex.split(options.partition(": ")[2])
+    pairs = [word.partition("=") for word in words if not word.startswith("--")]
+    found: dict[str, str] = {}
+    for name, _, value in pairs:
+        found[name] = f"{found[name]} [{value}]" if name in found else value
+    return found, [name for line in missing for name in line.partition(": ")[2].split(", ")]
+
+
+def test_the_import_that_names_suggest_is_that_of_what_was_logged(call: Call, tmp_path: Path) -> None:
+    was, boat = weaving(), written(tmp_path, "twin")
+    columns = {
+        "Time (s)": was["time"],
+        "pos_n": was["north"],
+        "pos_e": was["east"],
+        "Yaw [deg]": np.degrees(was["heading"]),
+        "speed kn": was["surge"],
+        "Motor Left %": 100.0 * was["throttle_port"],
+        "motor_right_pct": 100.0 * was["throttle_starboard"],
+    }
+    log = csv_of(tmp_path / "log.csv", {k: [repr(float(x)) for x in v] for k, v in columns.items()})
+    *_, line = call(log, "--list", "--boat", boat).splitlines()
+    assert line.startswith("by their names, to be checked: --map ")
+    call(log, "--boat", boat, "--out", "out", *shlex.split(line.partition(": ")[2]))
+    (run,) = read_dataset(tmp_path / "out").runs
+    for name in ("time", "north", "east", "heading", "throttle_port", "throttle_starboard"):
+        np.testing.assert_allclose(run.columns[name], was[name], atol=1e-9, err_msg=name)
+
+
+def test_columns_of_several_tables_are_named_with_their_table() -> None:
+    ahrs = ["ts", "roll_deg", "yaw_deg", "ve_mps", "vn_mps", "omega_z_dps"]
+    found, missing = suggested("swamp", log_of(ahrs=ahrs, control=["ts", "throttle", "turn"]))
+    assert found == {
+        "time": "ts",
+        "heading": "ahrs.yaw_deg [deg]",
+        "velocity_north": "ahrs.vn_mps",
+        "velocity_east": "ahrs.ve_mps",
+        "yaw_rate": "ahrs.omega_z_dps [deg/s]",
+    }
+    assert missing[:3] == ["north", "east", "azimuth_bs"]
+
+
+@pytest.mark.parametrize(
+    ("columns", "found"),
+    [
+        (["epoch_ms", "lat", "lon"], {"time": "epoch_ms [ms]", "latitude": "lat", "longitude": "lon"}),
+        (["utcTime", "GPS Latitude", "gps_lng"], {"latitude": "`GPS Latitude`", "longitude": "gps_lng"}),
+        (["t", "lat", "lon", "x", "y"], {"time": "t", "latitude": "lat", "longitude": "lon"}),
+        (["t", "n", "rudder_deg", "rpm"], {"time": "t", "rudder_main": "rudder_deg [deg]"}),
+        (["t", "x", "vx", "yaw_rate_deg_s"], {"time": "t", "yaw_rate": "yaw_rate_deg_s [deg/s]"}),
+        (["t", "vn_ms", "veMs"], {"time": "t", "velocity_north": "vn_ms", "velocity_east": "veMs"}),
+        (["heading_setpoint", "cog", "roll"], None),
+    ],
+)
+def test_only_names_that_are_clear_are_suggested(columns: list[str], found: dict[str, str] | None) -> None:
+    log = log_of(day=columns)
+    if found is None:
+        assert list(proposal([log], load_boat("esso_osaka"))) == []
+    else:
+        assert {name: one for name, one in suggested("esso_osaka", log)[0].items() if name in found} == found
+        assert suggested("esso_osaka", log)[0].keys() - found.keys() <= {"time"}
+
+
+def test_a_command_of_one_of_several_thrusters_is_not_guessed(tmp_path: Path) -> None:
+    boat = str(written(tmp_path, "twin"))
+    assert suggested(boat, log_of(day=["t", "throttle"]))[0] == {"time": "t"}
+    assert "throttle_port" in suggested(boat, log_of(day=["t", "throttle"]))[1]
+
+
+def test_logs_with_other_columns_have_no_common_options() -> None:
+    assert list(proposal([log_of(day=["t"]), log_of(day=["ts"])], load_boat("swamp"))) == []
