@@ -59,9 +59,13 @@ NAMES = {
     "yaw_rate": "yaw rate, yawrate, gyro z, gz, wz, turn rate",
 }
 """Words of names by the quantities of a mapping, without units and sources."""
-TOGETHER = ("latitude", "longitude"), ("north", "east"), ("x", "y"), ("velocity_north", "velocity_east")
-"""Quantities of which one alone is none; of the first three the first that is there is the position."""
-
+POSITIONS = ("latitude", "longitude"), ("north", "east"), ("x", "y")
+VELOCITY = "velocity_north", "velocity_east"
+"""Quantities of which one alone is none; the first position that is there is taken."""
+LONGEST = 100
+"""Characters of a name that is suggested."""
+OF_TIME = "ms", "us", "ns"
+"""Units that are those of a time; in the name of a velocity, `ms` is m/s."""
 UNIT_OF, WORD_OF = (
     {other: word for word, others in table.items() for other in others.split()} for table in (UNITS, SAME)
 )
@@ -82,9 +86,11 @@ def proposal(logs: Sequence[Log], boat: Boat) -> Iterator[str]:
         return
     suggested = found[0]
     yield f"by their names, to be checked: {' '.join(_options(suggested))}"
-    position = next((pair for pair in TOGETHER[:3] if suggested.keys() >= set(pair)), ("north", "east"))
-    wanted = ("time", *position, "heading", *command_columns(boat))
-    if lacking := [name for name in wanted if name not in suggested and not name.endswith(".time")]:
+    there = {"time" if name.endswith(".time") else name for name in suggested}
+    position = next((pair for pair in POSITIONS if there >= set(pair)), ("north", "east"))
+    if lacking := [
+        name for name in ("time", *position, "heading", *command_columns(boat)) if name not in there
+    ]:
         yield f"not found by name: {', '.join(lacking)}"
 
 
@@ -95,23 +101,32 @@ def _suggested(log: Log, boat: Boat) -> dict[str, Suggestion]:
         (Suggestion(f"{table.name}.{column}" if several else column, unit), words)
         for table in log.tables.values()
         for column in table.table.columns
+        if len(column) <= LONGEST and column.isprintable() and "`" not in column
         for words, unit in [_words_of(column)]
     ]
     found: dict[str, Suggestion] = {}
     for name, known in NAMES.items():
         fitting = [one for one, words in there if words in map(_set_of, known.split(", "))]
-        if name == "time" and several:
-            names = {one.column.partition(".")[2] for one in fitting}
-            fitting = [Suggestion(names.pop(), "")] if len(names) == 1 else []
-        if fitting:
+        if fitting and name == "time" and several:
+            found |= _times(fitting)
+        elif fitting:
             found[name] = fitting[0]
-    for pair in TOGETHER:
-        for name in pair if not found.keys() >= set(pair) else ():
-            found.pop(name, None)
-    for less, more in ((TOGETHER[1], TOGETHER[0]), (TOGETHER[2], TOGETHER[1]), (TOGETHER[2], TOGETHER[0])):
-        for name in less if more[0] in found else ():
-            found.pop(name, None)
+    pairs = (*POSITIONS, VELOCITY)
+    whole = [pair for pair in pairs if found.keys() >= set(pair)]
+    whole = [pair for pair in whole if pair == VELOCITY or pair == whole[0]]
+    for name in {name for pair in pairs if pair not in whole for name in pair}:
+        found.pop(name, None)
     return found | _commands(there, boat)
+
+
+def _times(fitting: Sequence[Suggestion]) -> dict[str, Suggestion]:
+    """The times of several tables: one name that is in all, or each table's own."""
+    first: dict[str, Suggestion] = {}
+    for one in fitting:
+        table, _, column = one.column.partition(".")
+        first.setdefault(f"{table}.time", Suggestion(column, one.unit))
+    alike = set(first.values())
+    return {"time": alike.pop()} if len(alike) == 1 else first
 
 
 def _commands(there: Iterable[tuple[Suggestion, frozenset[str]]], boat: Boat) -> dict[str, Suggestion]:
@@ -142,6 +157,5 @@ def _set_of(words: str) -> frozenset[str]:
 def _options(suggested: dict[str, Suggestion]) -> Iterator[str]:
     for name, one in suggested.items():
         yield option_of(f"--map {name}=", one.column)
-        of_time = one.unit in ("ms", "us", "ns")  # m/s in the name of a velocity
-        if one.unit and name not in TOGETHER[0] and of_time == (name == "time"):
+        if one.unit and name not in POSITIONS[0] and (one.unit in OF_TIME) == name.endswith("time"):
             yield f"--unit {name}={one.unit}"

@@ -87,6 +87,13 @@ def test_columns_of_several_tables_are_named_with_their_table() -> None:
     assert missing[:3] == ["north", "east", "azimuth_bs"]
 
 
+def test_tables_with_times_of_other_names_have_one_each() -> None:
+    found, missing = suggested("swamp", log_of(gps=["t_ms", "lat", "lon"], motor=["Zeit UTC"]))
+    assert found == {"time": "t_ms [ms]", "latitude": "gps.lat", "longitude": "gps.lon"}
+    found, missing = suggested("swamp", log_of(gps=["t_ms", "lat", "lon"], motor=["stamp", "rpm"]))
+    assert (found["gps.time"], found["motor.time"]) == ("t_ms [ms]", "stamp") and "time" not in missing
+
+
 @pytest.mark.parametrize(
     ("columns", "found"),
     [
@@ -97,6 +104,7 @@ def test_columns_of_several_tables_are_named_with_their_table() -> None:
         (["t", "x", "vx", "yaw_rate_deg_s"], {"time": "t", "yaw_rate": "yaw_rate_deg_s [deg/s]"}),
         (["t", "vn_ms", "veMs"], {"time": "t", "velocity_north": "vn_ms", "velocity_east": "veMs"}),
         (["heading_setpoint", "cog", "roll"], None),
+        (["time\x1b[", "ti`me", f"time{' ' * 200}", "yaw\n"], None),
     ],
 )
 def test_only_names_that_are_clear_are_suggested(columns: list[str], found: dict[str, str] | None) -> None:
