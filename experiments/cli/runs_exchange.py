@@ -104,7 +104,7 @@ BadRows = Annotated[
         help="Invalid rows: refuse the file, keep the longest valid stretch, or keep all valid stretches."
     ),
 ]
-List = Annotated[bool, typer.Option("--list", help="Only print tables, rates and fields.")]
+List = Annotated[bool, typer.Option("--list", help="Only print tables, rates, fields and suggested options.")]
 Earlier = Annotated[
     float,
     typer.Option(
@@ -187,22 +187,25 @@ def _list(sources: list[Path], kind: str, folders: bool, join: str | None, boat:
 
     if kind in ("mcap", "telemetry", "free-running"):
         raise UserError(f"--list: is not for --from {kind}; MCAP with CDR is --from rosbag")
-    logs = list(read_logs(sources, kind, None, folders))
-    for log in logs if join is None else [as_one(logs, join)]:
+    vessel, suggested = load_boat(boat or "swamp"), []
+    logs = read_logs(sources, kind, None, folders)
+    for log in logs if join is None else [as_one(list(logs), join)]:
         for line in listing(log):
             typer.echo(line)
-    if kind not in BINARY:
-        for line in proposal(logs if join is None else [as_one(logs, join)], load_boat(boat or "swamp")):
+        suggested.append([] if kind in BINARY else proposal(log, vessel))
+    if suggested and all(one == suggested[0] for one in suggested):
+        for line in suggested[0]:
             typer.echo(line)
 
 
 def _tell(out: Path, made: "DatasetMeta", option: str) -> None:
-    """Print how the rows of imported runs were changed, and how many there are; option: it names columns."""
+    """Print how the rows of imported runs were changed, and how many there are; option: names columns."""
     told: dict[str, list[str]] = {}
     for run in made.runs:
         entries = run.model_extra or {}
         lines = [f"{key.replace('_', ' ')}: {entries[key]}" for key in NOTED if key in entries]
-        for line in (*lines, *entries.get("cells_left_out", ()), *entries.get("rows_left_out", ())):
+        lines += [*entries.get("cells_left_out", ()), *entries.get("rows_left_out", ())]
+        for line in dict.fromkeys(lines):
             told.setdefault(line, []).append(str(run.file))
     for line, files in told.items():
         typer.echo(clipped(f"{and_others(files)}: {line}", LONGEST))

@@ -184,7 +184,7 @@ def _replace(section: dict[str, Any], key: str, one: Fitted, fitted_to: str) -> 
 
 def _moved(one: Fitted, listed: bool) -> str:
     """What the fit did to a number that the data do not show, which follows those that they show."""
-    if one.x == one.number.mean:
+    if _rounded(one.value) == _rounded(one.number.start):
         return ""
     start = f"{one.number.start:.4g}"
     return f", times {one.value:.4g} by the fit" if listed else f", moved from {start} by the fit"

@@ -1,7 +1,7 @@
 """A mapping that the names of a table's columns suggest, for a person to check."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from swamp_rl.boat import Boat
@@ -60,6 +60,7 @@ NAMES = {
 }
 """Words of names by the quantities of a mapping, without units and sources."""
 POSITIONS = ("latitude", "longitude"), ("north", "east"), ("x", "y")
+REQUIRED_POSITION = POSITIONS[1]  # of the run format
 VELOCITY = "velocity_north", "velocity_east"
 """Quantities of which one alone is none; the first position that is there is taken."""
 LONGEST = 100
@@ -79,19 +80,21 @@ class Suggestion:
     unit: str
 
 
-def proposal(logs: Sequence[Log], boat: Boat) -> Iterator[str]:
-    """Lines: the options that the names suggest for logs that are alike, and what they do not have."""
-    found = [_suggested(log, boat) for log in logs if log.home is None]
-    if not found or not found[0] or any(one != found[0] for one in found):
-        return
-    suggested = found[0]
-    yield f"by their names, to be checked: {' '.join(_options(suggested))}"
+def proposal(log: Log, boat: Boat) -> list[str]:
+    """Lines: the options that the names suggest, and what has none; no lines for a run of a dataset."""
+    suggested = {} if log.home is not None else _suggested(log, boat)
+    if not suggested:
+        return []
     there = {"time" if name.endswith(".time") else name for name in suggested}
-    position = next((pair for pair in POSITIONS if there >= set(pair)), ("north", "east"))
-    if lacking := [
-        name for name in ("time", *position, "heading", *command_columns(boat)) if name not in there
-    ]:
-        yield f"not found by name: {', '.join(lacking)}"
+    wanted = ("time", *(_position(there) or REQUIRED_POSITION), "heading", *command_columns(boat))
+    lacking = [name for name in wanted if name not in there]
+    lines = [f"by their names, to be checked: {' '.join(_options(suggested))}"]
+    return lines + [f"not found by name: {', '.join(lacking)}"] * bool(lacking)
+
+
+def _position(there: Collection[str]) -> tuple[str, ...]:
+    """The first pair of coordinates that is there."""
+    return next((pair for pair in POSITIONS if set(pair) <= set(there)), ())
 
 
 def _suggested(log: Log, boat: Boat) -> dict[str, Suggestion]:
@@ -111,12 +114,9 @@ def _suggested(log: Log, boat: Boat) -> dict[str, Suggestion]:
             found |= _times(fitting)
         elif fitting:
             found[name] = fitting[0]
-    pairs = (*POSITIONS, VELOCITY)
-    whole = [pair for pair in pairs if found.keys() >= set(pair)]
-    whole = [pair for pair in whole if pair == VELOCITY or pair == whole[0]]
-    for name in {name for pair in pairs if pair not in whole for name in pair}:
-        found.pop(name, None)
-    return found | _commands(there, boat)
+    kept = {*_position(found), *(VELOCITY if found.keys() >= set(VELOCITY) else ())}
+    left_out = {name for pair in (*POSITIONS, VELOCITY) for name in pair} - kept
+    return {name: one for name, one in found.items() if name not in left_out} | _commands(there, boat)
 
 
 def _times(fitting: Sequence[Suggestion]) -> dict[str, Suggestion]:

@@ -138,7 +138,7 @@ def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]
         try:
             runs += runs_from(one, wishes, boat)
         except UserError as error:
-            for line in str(error).removesuffix(f"; {REFUSED}").splitlines():
+            for line in dict.fromkeys(str(error).removesuffix(f"; {REFUSED}").splitlines()):
                 own = line.removeprefix(f"{one.file}: ")
                 refused.setdefault(own, []).extend([one.file] * (own != line))
     if refused:

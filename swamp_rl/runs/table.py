@@ -16,7 +16,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.ordinary import contents
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
-from swamp_rl.runs.text_header import TEXTS, HeaderError, plain, read_header
+from swamp_rl.runs.text_header import TEXTS, HeaderError, number_in, read_header, unquoted
 
 DECIMAL_COMMA = r"^(\s*[-+]?\d*),(\d+(?:[eE][-+]?\d+)?\s*)$"
 FORMATS = ("csv", "parquet")
@@ -126,7 +126,7 @@ def _read_text(path: Path, held: bytes) -> Table:
         return _unreadable(path, _odd_header(odd_rows[0]))
     if len(odd_rows) > data.num_rows:
         return _unreadable(path, _odd_header(odd_rows[0]))
-    data = data.rename_columns([plain(name) for name in data.column_names])
+    data = data.rename_columns([unquoted(name) for name in data.column_names])
     if header.separator != ",":
         data = _with_points(data)
     # Arrow counts lines from 1 with the header as the first.
@@ -233,7 +233,7 @@ def _each_once(cells: pa.ChunkedArray) -> tuple[NDArray[np.float64], NDArray[np.
     cells = cells.unify_dictionaries()
     if cells.num_chunks == 0:
         return np.zeros(0), np.zeros(0, bool)
-    known = [_float(cell) for cell in cells.chunk(0).dictionary.to_pylist()]
+    known = [number_in(cell) for cell in cells.chunk(0).dictionary.to_pylist()]
     numbers = np.array([np.nan if number is None else number for number in [*known, None]])
     unread = np.array([number is None for number in [*known, None]])
     places = [pc.fill_null(chunk.indices, len(known)) for chunk in cells.chunks]
@@ -249,15 +249,6 @@ def is_text(kind: pa.DataType) -> bool:
     """Whether cells of a type are texts, each written out or looked up."""
     kind = kind.value_type if pa.types.is_dictionary(kind) else kind
     return pa.types.is_string(kind) or pa.types.is_large_string(kind)
-
-
-def _float(cell: str | None) -> float | None:
-    if cell is None or "_" in cell or not cell.isascii():
-        return None
-    try:
-        return float(cell)
-    except ValueError:
-        return None
 
 
 def write_table(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:

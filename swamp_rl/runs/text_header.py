@@ -70,17 +70,20 @@ def _cells(head: str) -> tuple[list[str], str]:
 
 def _are_values(names: list[str]) -> bool:
     """Whether all are numbers, and not all whole, as the default names of some programs are."""
-    return None not in map(_number, names) and not all(name.strip().isdigit() for name in names)
+    return None not in map(number_in, names) and not all(name.strip().isdigit() for name in names)
 
 
-def _number(word: str) -> float | None:
+def number_in(cell: str | None) -> float | None:
+    """The number that a cell holds, or None."""
+    if cell is None or "_" in cell or not cell.isascii():
+        return None
     try:
-        return float(word)
+        return float(cell)
     except ValueError:
         return None
 
 
-def plain(name: str) -> str:
+def unquoted(name: str) -> str:
     """A column's name without the spaces and quotation marks around it."""
     name = name.strip()
     return name[1:-1].strip() if len(name) > 1 and name[0] == name[-1] == '"' else name
@@ -94,4 +97,4 @@ def has_names(path: Path) -> bool:
         names = read_header(begin).names
     except (HeaderError, UnicodeDecodeError):
         return False
-    return len(names) > 1 and all(name.strip() and _number(name) is None for name in names)
+    return len(names) > 1 and all(name.strip() and number_in(name) is None for name in names)

@@ -43,9 +43,9 @@ def log_of(**tables: list[str]) -> Log:
     return Log("day.csv", "day", there)
 
 
-def suggested(boat: str, *logs: Log) -> tuple[dict[str, str], list[str]]:
+def suggested(boat: str, log: Log) -> tuple[dict[str, str], list[str]]:
     """The words after `--map` and `--unit` by our names, and the names that are not found."""
-    options, *missing = proposal(logs, load_boat(boat))
+    options, *missing = proposal(log, load_boat(boat))
     words = shlex.split(options.partition(": ")[2])
     pairs = [word.partition("=") for word in words if not word.startswith("--")]
     found: dict[str, str] = {}
@@ -110,7 +110,7 @@ def test_tables_with_times_of_other_names_have_one_each() -> None:
 def test_only_names_that_are_clear_are_suggested(columns: list[str], found: dict[str, str] | None) -> None:
     log = log_of(day=columns)
     if found is None:
-        assert list(proposal([log], load_boat("esso_osaka"))) == []
+        assert proposal(log, load_boat("esso_osaka")) == []
     else:
         assert {name: one for name, one in suggested("esso_osaka", log)[0].items() if name in found} == found
         assert suggested("esso_osaka", log)[0].keys() - found.keys() <= {"time"}
@@ -122,5 +122,12 @@ def test_a_command_of_one_of_several_thrusters_is_not_guessed(tmp_path: Path) ->
     assert "throttle_port" in suggested(boat, log_of(day=["t", "throttle"]))[1]
 
 
-def test_logs_with_other_columns_have_no_common_options() -> None:
-    assert list(proposal([log_of(day=["t"]), log_of(day=["ts"])], load_boat("swamp"))) == []
+def test_logs_with_other_columns_have_no_common_options(call: Call, tmp_path: Path) -> None:
+    logs = [csv_of(tmp_path / f"{name}.csv", {name: ["0.0", "1.0"]}) for name in ("t", "ts")]
+    assert "by their names" not in call(*logs, "--list")
+    for log in logs:
+        assert "by their names, to be checked: --map time=" in call(log, "--list")
+    again = tmp_path / "again" / "other.csv"
+    again.parent.mkdir()
+    again.write_bytes(logs[0].read_bytes())
+    assert call(logs[0], again, "--list").count("by their names") == 1
