@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from swamp_rl.guidance.heading import slowest_speed, steering_angle
+from swamp_rl.guidance.heading import Limits, slowest_speed, steering_angle
 from swamp_rl.guidance.line_of_sight import Waypoint, leg_after, line_of_sight, offset
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.manoeuvres.controller import (
@@ -46,8 +46,8 @@ def waypoints(area: Area, length: float) -> list[Waypoint]:
     return [home, area.place(entrance), area.place(alignment), area.place(0.0)]
 
 
-def approached(trial: Trial, manoeuvre: Controller, area: Area, length: float, limit: float) -> Controller:
-    """The manoeuvre, with the approach before it; length [m] of the boat, limit [rad] of its steering.
+def approached(trial: Trial, manoeuvre: Controller, area: Area, length: float, limits: Limits) -> Controller:
+    """The manoeuvre, with the approach before it; length [m] of the boat, limits of its steering.
 
     The manoeuvre begins beyond the third waypoint as soon as speed and heading are steady; where that does
     not come about in time it begins all the same, and the phase's notes say what was missing.
@@ -71,7 +71,7 @@ def approached(trial: Trial, manoeuvre: Controller, area: Area, length: float, l
             return manoeuvre(sensed, phase.then(EXECUTE, sensed.time))
         last = min(leg, 2)
         course = line_of_sight(place, route[last], route[last + 1], LOOKAHEAD * length)
-        angle = steering_angle(course, sensed.heading, sensed.yaw_rate, speed, length, limit)
+        angle = steering_angle(course, sensed.heading, sensed.yaw_rate, speed, length, limits)
         return Order(angle, trial.throttle), phase
 
     return control

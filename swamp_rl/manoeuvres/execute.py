@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.flight import STEP, sensing
+from swamp_rl.guidance.heading import Limits
 from swamp_rl.guidance.loop import Seen, closed_loop, seen_of
 from swamp_rl.manoeuvres.approach import Area, approached, waypoints
 from swamp_rl.manoeuvres.controller import (
@@ -25,6 +26,7 @@ from swamp_rl.manoeuvres.pull_out import pull_out
 from swamp_rl.manoeuvres.reverse_spiral import reverse_spiral
 from swamp_rl.manoeuvres.spiral import spiral
 from swamp_rl.manoeuvres.steering import Steering, refuse_astern, steering, steering_limit
+from swamp_rl.manoeuvres.steering_response import stable_gain
 from swamp_rl.manoeuvres.stopping import stopping
 from swamp_rl.manoeuvres.straight import straight
 from swamp_rl.manoeuvres.turning_circle import turning_circle
@@ -61,6 +63,7 @@ class Executed:
 def controller(trial: Trial, boat: Boat, area: Area) -> Controller:
     """The controller of a trial, approach included; UserError for what this boat cannot be asked."""
     limit, length = steering_limit(boat), boat.length
+    limits = Limits(limit, stable_gain(boat, trial, STEP))
     if trial.kind != "straight" and trial.kind != "stopping" and abs(trial.angle) > limit + 1e-9:
         raise UserError(
             f"{trial.kind}: angle {math.degrees(trial.angle):g} deg is beyond the "
@@ -69,7 +72,7 @@ def controller(trial: Trial, boat: Boat, area: Area) -> Controller:
     if trial.astern or trial.kind == "stopping":
         refuse_astern(boat)
     if trial.kind == "straight":
-        manoeuvre = straight(trial, length, limit)
+        manoeuvre = straight(trial, length, limits)
     elif trial.kind == "reverse-spiral":
         manoeuvre = reverse_spiral(trial, length, limit)
     else:
@@ -81,7 +84,7 @@ def controller(trial: Trial, boat: Boat, area: Area) -> Controller:
             "stopping": stopping,
         }
         manoeuvre = makers[trial.kind](trial, length)
-    return approached(trial, manoeuvre, area, length, limit)
+    return approached(trial, manoeuvre, area, length, limits)
 
 
 @dataclass

@@ -2,7 +2,7 @@
 
 import math
 
-from swamp_rl.guidance.heading import slowest_speed, steering_angle
+from swamp_rl.guidance.heading import Limits, slowest_speed, steering_angle
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.manoeuvres.approach import HOLD, SLOW, STEADY
 from swamp_rl.manoeuvres.controller import DONE, Controller, Order, Phase, Trial, patience
@@ -11,8 +11,8 @@ from swamp_rl.manoeuvres.settling import Settling, started, watched
 SPEEDING, MEASURED = "speeding", "measured"
 
 
-def straight(trial: Trial, length: float, limit: float) -> Controller:
-    """The heading is held, within `limit` [rad] of steering, until the speed is steady and then measured.
+def straight(trial: Trial, length: float, limits: Limits) -> Controller:
+    """The heading is held, within the limits of steering, until the speed is steady and then measured.
 
     What is measured lasts for the trial's duration; length of the boat [m].
     """
@@ -21,7 +21,7 @@ def straight(trial: Trial, length: float, limit: float) -> Controller:
     def control(sensed: Seen, phase: Phase) -> tuple[Order, Phase]:
         speed = math.hypot(sensed.surge, sensed.sway)
         pace = max(speed, slowest_speed(length))
-        angle = steering_angle(phase.heading, sensed.heading, sensed.yaw_rate, speed, length, limit)
+        angle = steering_angle(phase.heading, sensed.heading, sensed.yaw_rate, speed, length, limits)
         if phase.name not in (SPEEDING, MEASURED):
             phase = phase.then(SPEEDING, sensed.time, memory=started(sensed.time, sensed.surge))
         if phase.name == SPEEDING:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from swamp_rl.angles import wrapped
-from swamp_rl.guidance.heading import steering_angle
+from swamp_rl.guidance.heading import Limits, steering_angle
 from swamp_rl.guidance.line_of_sight import Waypoint, bearing, leg_after, line_of_sight, offset
 
 metres = st.floats(-50.0, 50.0)
@@ -56,6 +56,6 @@ def test_a_mirrored_error_is_answered_by_the_mirrored_angle(
     error = wrapped(wanted - heading)
     if abs(error) > math.pi - 1e-6:
         return
-    one = steering_angle(error, 0.0, rate, speed, 1.24, 0.5)
-    assert steering_angle(-error, 0.0, -rate, speed, 1.24, 0.5) == pytest.approx(-one, abs=1e-12)
+    one = steering_angle(error, 0.0, rate, speed, 1.24, Limits(0.5))
+    assert steering_angle(-error, 0.0, -rate, speed, 1.24, Limits(0.5)) == pytest.approx(-one, abs=1e-12)
     assert abs(one) <= 0.5
