@@ -61,9 +61,14 @@ def _share_apart(measured: Measured, run: Run) -> float:
     if not columns <= run.columns.keys():
         return 0.0
     fixed = [one.name for one in thrusters if one.command_columns[0] is None]
-    places = [*driven, *(len(thrusters) + k for k in driven)]
+    turned = [
+        thrusters[k].name not in fixed for k in driven
+    ]  # a fixed one has its own angle, not the levers'
+    logged = run.commands((thrusters[k].name for k in driven), fixed)
+    kept = np.array([*turned, *(True for _ in driven)])
+    places = np.array([*driven, *(len(thrusters) + k for k in driven)])[kept]
     wanted, ends = (
         np.array([measured.commands(levers) for levers in asked])[:, places] for asked in (run.joypad, ENDS)
     )
-    apart = np.abs(run.commands((thrusters[k].name for k in driven), fixed) - wanted)
+    apart = np.abs(logged[:, kept] - wanted)
     return float(np.mean((apart > APART * np.ptp(ends, axis=0)).any(axis=1)))

@@ -24,6 +24,7 @@ SCALE = {
     "ferry": 4.0,
     "large": 14.0,
     "toy": 1.0,
+    "crossed": 1.6,
 }  # of the course, so that a run lasts the 20 s of a diagnosis
 
 

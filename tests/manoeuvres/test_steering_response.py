@@ -15,7 +15,9 @@ from swamp_rl.manoeuvres.execute import STEP, execute
 from swamp_rl.manoeuvres.steering_response import stable_gain
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.state import SURGE, YAW_RATE
+from tests.support.from_scratch import number, written
 
+BLUFF = {"x_0_ahead": number(-0.4, "1"), "x_0_astern": number(-0.6, "1")}
 FULL = Trial("straight", 1.0, duration=5.0)
 
 
@@ -38,13 +40,7 @@ def test_a_light_boat_of_great_thrust_goes_straight_at_its_top_speed(tmp_path: P
 
 
 def test_four_fixed_thrusters_at_45_degrees_go_straight_at_top_speed(tmp_path: Path) -> None:
-    content = boat_file("crossed", "four-azimuths", 1.1, 0.6, 25.0, 100.0)
-    for thruster in content["thrusters"]:
-        angle = math.copysign(math.pi / 4, -thruster["x"]["value"] * thruster["y"]["value"])
-        thruster |= {"kind": "fixed", "azimuth_min": angle, "azimuth_max": angle}
-        del thruster["azimuth_rate"], thruster["azimuth_time_constant"]
-    (tmp_path / "crossed.yaml").write_text(yaml.safe_dump(content))
-    boat = load_boat(tmp_path / "crossed.yaml")
+    boat = load_boat(written(tmp_path, "crossed", resistance=BLUFF))
     (executed,) = execute(boat, [FULL])
     assert executed.notes == ()
     assert executed.track[-1, SURGE] == pytest.approx(reference_of(boat).speed, rel=0.01)

@@ -1,5 +1,6 @@
-"""Boats written from nothing: twin fixed thrusters, azimuth ferries of 1.8 and 84 t, a toy of 0.3 m."""
+"""Boats written from nothing: fixed thrusters, azimuth ferries of 1.8 and 84 t, a toy of 0.3 m."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -112,6 +113,25 @@ TOY = boat(
     [thruster(name, "azimuth", -0.15, 0.03 * y, 0.2, **turning(6.0, 0.05, **STOPS)) for name, y in SIDES],
     joypad(["port", "starboard"], 0.7),
 )
+CROSSED = boat(
+    (1.1, 0.8, 0.06),
+    25.0,
+    [
+        thruster(
+            f"{end}_{side}",
+            "fixed",
+            x,
+            0.28 * y,
+            30.0,
+            **dict.fromkeys(
+                ("azimuth_min", "azimuth_max"), number(math.copysign(math.pi / 4, -x * y), "rad")
+            ),
+        )
+        for end, x in (("bow", 0.44), ("stern", -0.44))
+        for side, y in SIDES
+    ],
+    joypad([f"{end}_{side}" for end in ("bow", "stern") for side, _ in SIDES]),
+)
 FROUDE = {"m": 1.0, "m2": 2.0, "kg": 3.0, "kg m2": 5.0, "N": 3.0, "s": 0.5, "rad/s": -0.5}
 
 
@@ -128,7 +148,7 @@ def enlarged(section: Any, ratio: float) -> Any:
     return {name: enlarged(part, ratio) for name, part in section.items()}
 
 
-BOATS = {"twin": TWIN, "ferry": FERRY, "toy": TOY, "large": enlarged(FERRY, 3.6)}
+BOATS = {"twin": TWIN, "ferry": FERRY, "toy": TOY, "crossed": CROSSED, "large": enlarged(FERRY, 3.6)}
 
 
 def written(folder: Path, name: str, **changes: Any) -> Path:

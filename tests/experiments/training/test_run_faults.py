@@ -15,6 +15,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.pilots.record import record_scripted
 from swamp_rl.runs import Dataset, Run, append_run, create_dataset, read_dataset
 from swamp_rl.runs.schema import meta_of
+from tests.support.from_scratch import written
 from tests.support.tiny_experiment import empty_figures, write_tiny
 
 
@@ -38,6 +39,14 @@ def changed(dataset: Dataset, change: Callable[[Run], dict[str, np.ndarray]]) ->
 
 def test_sound_runs_have_no_fault(scene: Scene, driven: Dataset) -> None:
     assert run_faults(scene, driven) == []
+
+
+@pytest.mark.parametrize("boat", ["twin", "crossed"])
+def test_runs_of_fixed_thrusters_have_no_fault(tmp_path: Path, boat: str) -> None:
+    file = str(written(tmp_path, boat))
+    own = read_scene(load_experiment("camogli", [f"boat={file}"]))
+    record_scripted(own.boats_at("calm"), tmp_path / "runs", boat=file, course="camogli", count=1, step=0.1)
+    assert run_faults(own, read_dataset(tmp_path / "runs")) == []
 
 
 def test_a_run_that_ends_before_the_last_gate_is_reported_with_the_course(
