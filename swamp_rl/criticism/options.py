@@ -180,7 +180,7 @@ class Options:
     # ---- Random effects
     spreads: tuple[float, float, int] = (1e-4, 1e2, 121)  # typical sizes: least, largest and number tried
     # ---- Channels that a filter smoothed
-    smoothed_step: float = 0.2  # s between samples, above which the motion itself fills the strides
+    smoothed_step: float = 0.25  # L/U between samples [0.22 s], above which the motion fills the strides
     strides: tuple[int, ...] = (1, 2, 4, 8)  # samples, of the fit
     judged_stride: int = 3  # samples, of the recognition
     smoothed_ratio: float = 1.6  # least ratio of variances over that stride and over one: a pole of 0.35

@@ -15,6 +15,11 @@ SEGMENT = 64
 """Rows of a spectrum's segments (Hann windows, half overlapping)."""
 LOW, HIGH = (0.35, 0.5), (0.85, 1.0)
 """Bands as parts of the Nyquist frequency. A hull's motion is far below both where the rows resolve it."""
+MOTION, FALL = ((0.1, 0.2), (0.2, 0.3)), 4.0
+"""Bands between which a motion's power falls with that power of the frequency or a greater one: forces act on
+accelerations, and a position has two integrals. Noise behind a filter of first order falls with 2 at most."""
+SEEN = 2.0
+"""Power density of the high band over that of an extrapolated motion from which noise is seen in it."""
 LARGEST_DROP = 1.6
 """Power density of the low band over that of the high one; 1 for white noise. A first-order filter with a
 time constant T of two steps has 2.1, of five 2.6: |H|² is 1 / (1 + p² − 2 p cos ω), p = exp(−step / T)."""
@@ -29,7 +34,7 @@ def filter_findings(runs: Sequence[Run], measured: bool) -> list[Finding]:
     drops = {}
     for name in CHANNELS:
         parts = [_whole(run.columns[name], name) for run in runs if name in run.columns]
-        if parts and (drop := _drop(parts)) is not None:
+        if parts and (drop := power_drop(parts)) is not None:
             drops[name] = drop
     if not drops:
         return []
@@ -51,8 +56,10 @@ def _whole(values: Array, name: str) -> Array:
     return np.unwrap(values) if name == "heading" and np.isfinite(values).all() else values
 
 
-def _drop(parts: Sequence[Array]) -> float | None:
-    """The ratio of power densities, where it is significantly above LARGEST_DROP."""
+def power_drop(parts: Sequence[Array]) -> float | None:
+    """The ratio of power densities of a position or heading, less the motion left in the low band, where it
+    is significantly above LARGEST_DROP; None where there is a white noise floor, or no part is long enough.
+    """
     spectra, weights = [], []
     for values in parts:
         changes = np.diff(values)
@@ -65,11 +72,22 @@ def _drop(parts: Sequence[Array]) -> float | None:
     if not spectra:
         return None
     mean = np.average(spectra, axis=0, weights=weights)
-    low, high = (mean[(frequency[1:] >= a) & (frequency[1:] <= b)] for a, b in (LOW, HIGH))
+    bands = [(frequency[1:] >= a) & (frequency[1:] <= b) for a, b in (*MOTION, LOW, HIGH)]
+    first, second, low, high = (float(mean[band].mean()) for band in bands)
     rows = sum(weights)
-    if high.mean() <= 0.0:
+    if high <= 0.0:
         return None
-    ratio = float(low.mean() / high.mean())
+    ratio = max(low - _motion_left(first, second, high), 0.0) / high
     # A band of width w of N rows has N w / 2 independent periodogram ordinates, each of relative variance 1.
     error = np.sqrt(sum(2.0 / (rows * (b - a)) for a, b in (LOW, HIGH)))
-    return ratio if np.log(ratio / LARGEST_DROP) > 0.0 and np.log(ratio) > DEVIATIONS * error else None
+    return ratio if ratio > LARGEST_DROP and np.log(ratio) > DEVIATIONS * error else None
+
+
+def _motion_left(first: float, second: float, high: float) -> float:
+    """Power density of the motion in the low band, at most, from those of the bands of MOTION: that of a
+    quick boat in few rows. Zero where it does not fall as a motion, or where the high band may be motion too.
+    """
+    one, other, low, top = (0.5 * (a + b) for a, b in (*MOTION, LOW, HIGH))
+    fall = np.log(first / second) / np.log(other / one)
+    motion = [second * (frequency / other) ** -fall for frequency in (low, top)]
+    return float(motion[0]) if fall > FALL and high > SEEN * motion[1] else 0.0

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
@@ -91,6 +92,17 @@ def test_the_motion_of_a_boat_that_is_steered_all_the_time_is_not_a_filters(seed
     runs = steered_every_second(seed)
     assert smoothed_channels(runs) == {}
     assert set(smoothed_channels(filtered(runs, one_pole, "yaw_rate"))) == {"yaw_rate"}
+
+
+@pytest.mark.parametrize("size", [0.5, 1.0, 2.0])
+def test_a_quick_motion_beside_white_noise_is_no_filters_noise(size: float) -> None:
+    """Forces with two integrals and a lag of 0.5 s, under noise that is seen at the highest frequencies."""
+    runs, rng = simulated_runs([], 0), np.random.default_rng(1)
+    force = rng.standard_normal(runs.measured.shape)
+    for _ in range(3):
+        force = lfilter([0.2], [1.0, -0.8], force, axis=1)
+    poses = np.where(np.arange(6) < 3, size * force + 0.01 * rng.standard_normal(force.shape), np.nan)
+    assert smoothed_channels(replace(runs, measured=poses)) == {}
 
 
 def test_a_wandering_receiver_a_slow_log_and_a_run_without_noise_are_not_filters() -> None:

@@ -17,7 +17,7 @@ from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.schema import DatasetMeta
 from swamp_rl.simulator.replay import replay
 from tests.support.doctored import STEP, Columns, driven, faults, late
-from tests.support.from_scratch import written
+from tests.support.from_scratch import number, written
 from tests.support.new_boats import new_boat
 
 
@@ -283,6 +283,26 @@ def test_a_fast_boat_logged_once_a_second_is_sound(tmp_path: Path) -> None:
     slow = Run(
         "fast", {name: run[name][::10] for name in logged} | {"heading": wrapped(run["heading"][::10])}
     )
+    assert faults([slow], boat) == []
+
+
+def test_a_quick_boat_logged_five_times_a_second_is_sound(tmp_path: Path) -> None:
+    """Its motion reaches the band in which a filter is looked for."""
+    bluff = {"x_0_ahead": number(-0.4, "1"), "x_0_astern": number(-0.6, "1")}
+    boat = load_boat(written(tmp_path, "crossed", resistance=bluff))
+    rng, rows = np.random.default_rng(2), 4801
+    columns = {name: np.zeros(rows) for name in ("north", "east", "heading", "surge", "sway", "yaw_rate")}
+    columns |= {"time": 0.05 * np.arange(rows)}
+    ahead, aside, turn = (rng.uniform(*ends, 200) for ends in ((0.2, 0.8), (-0.3, 0.3), (-0.45, 0.45)))
+    holds = rng.integers(50, 140, 200)
+    for thruster, (side, way) in zip(boat.thrusters, ((1, 1), (-1, -1), (-1, 1), (1, -1)), strict=True):
+        levels = np.clip(ahead + side * aside + way * turn, 0.0, 1.0)
+        columns[f"throttle_{thruster.name}"] = np.repeat(levels, holds)[:rows]
+    run = dict(replay(boat, Run("quick", columns)).columns)
+    noisy = {name: run[name] + 0.03 * rng.standard_normal(rows) for name in ("north", "east")}
+    noisy["heading"] = wrapped(run["heading"] + 0.008 * rng.standard_normal(rows))
+    logged = [name for name in run if name in ("time", *noisy) or name.startswith("throttle_")]
+    slow = Run("quick", {name: (run | noisy)[name][::4] for name in logged})
     assert faults([slow], boat) == []
 
 

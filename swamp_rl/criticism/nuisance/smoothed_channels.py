@@ -1,7 +1,8 @@
 """Channels that an onboard filter smoothed, and the standard deviation that they are weighted by instead.
 
 Third differences do not hold the low frequencies that a filter leaves. Over longer strides those of smoothed
-noise have a larger variance; those of white noise have the same.
+noise have a larger variance; those of white noise have the same. Those of a motion beside white noise grow
+too, but the spectrum of a position or heading then has a white floor.
 """
 
 import itertools
@@ -16,6 +17,8 @@ from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import SmoothedNoise
+from swamp_rl.doctor.filtered import SEGMENT, power_drop
+from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.substeps import steps_over
 
 Array = NDArray[np.float64]
@@ -23,13 +26,14 @@ Array = NDArray[np.float64]
 # times 1 / n: variance of a variance of n third differences, correlated as (20, -15, 6, -1) / 20
 OF_A_VARIANCE = 4.6
 LAGGING = slice(2, 6)  # channels whose lag no effect of the library is
+POSES = slice(0, 3)  # channels that have two integrals of the forces
 
 
 def smoothed_channels(run_set: RunSet) -> dict[str, SmoothedNoise]:
     """The smoothed channels by name: standard deviations at the sample rate, from third differences, and of
     the white noise that is as large at low frequencies, lag included; time constant of the filter [s].
     """
-    if run_set.dt > options().smoothed_step:
+    if run_set.dt * reference_of(run_set.boat).rate > options().smoothed_step:
         return {}
     own = np.where(repeated_samples(run_set.measured), np.nan, run_set.measured)
     inside = np.arange(own.shape[1]) < run_set.lengths[:, None]
@@ -41,7 +45,9 @@ def smoothed_channels(run_set: RunSet) -> dict[str, SmoothedNoise]:
         if np.isfinite(values[inside]).mean() < options().own_samples:
             continue
         made = _smoothing(values, activity, run_set.dt, lags=index >= LAGGING.start)
-        if made is not None and made.sample_noise > least[index]:
+        if made is None or made.sample_noise <= least[index]:
+            continue
+        if index >= POSES.stop or not _has_floor(run_set.measured[..., index]):
             found[name] = made
     return found
 
@@ -90,6 +96,13 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothe
         low += _lag_power(values, seconds, dt)
     fine_sigma = math.sqrt(fine[0] / 20)
     return SmoothedNoise(sample_noise=fine_sigma, standard_deviation=math.sqrt(low), time_constant_s=seconds)
+
+
+def _has_floor(values: Array) -> bool:
+    """Whether the stretches (R, T) without a lost row show white noise up to the Nyquist frequency."""
+    inside = [run[part] for run in values for part in np.ma.clump_unmasked(np.ma.masked_invalid(run))]
+    long = [one for one in inside if len(one) >= 2 * SEGMENT]
+    return bool(long) and power_drop(long) is None
 
 
 def _third_differences(values: Array, activity: Array, stride: int, before: int) -> tuple[Array, Array]:
