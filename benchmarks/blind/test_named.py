@@ -23,3 +23,12 @@ def test_moved_commands_that_middle_windows_allow_and_whole_runs_do_not_hide_no_
     assert found.verdict == "cause" and [cause.effect for cause in found.causes] == ["drag_asymmetry"]
     port = found.causes[0].parameters["port"]
     assert port.value == pytest.approx(0.5517, abs=4.0 * port.standard_error)
+
+
+def test_what_short_windows_explain_otherwise_is_found_by_a_second_effect(tmp_path: Path) -> None:
+    """Shallow water with a lag of the azimuths: alone, a thrust deduction fits the shortest windows far
+    better than either, and no second effect beside it leaves noise on longer ones."""
+    data, _ = written(33054, "X", tmp_path)
+    found = examine(read_run_set(data, load_boat("swamp-light")), None, np.random.default_rng(0)).diagnosis
+    assert found.verdict == "cause"
+    assert {cause.effect for cause in found.causes} == {"shallow_water", "azimuth_lag"}

@@ -215,7 +215,7 @@ class Options:
     most_rivals: int = 4  # that are listed
     stages_tested: int = 3  # window lengths on which a cause may be confirmed (Bonferroni)
     # ---- Beam search
-    step_budget: float = 1.5e7  # steps of a boat, about twenty seconds, after which no depth is begun
+    step_budget: float = 3e7  # steps of a boat, about fifteen seconds, after which no depth is begun
     most_effects: int = 3  # together, the hull's derivatives counted as one
     beam: int = 5  # sets that are expanded
     shortlist: int = 8  # sets that are fitted at each depth
@@ -225,6 +225,7 @@ class Options:
     jump_part: int = 4  # windows of which one is fitted first for an effect without parameters
     jump_windows: int = 12  # windows in all, from which that is done
     follow_share: float = 0.2  # of the best gain by which another may be worse and still be followed
+    follow_share_far: float = 0.5  # the same where the best leaves more than noise on longer windows
     follow_beam: float = 200.0  # chi2 by which it may be worse in any case
     follow_adequate: float = 100.0  # the same where the best is adequate
     follow_inadequate: float = 0.5  # of the best criterion, in addition, where it is not
@@ -273,7 +274,6 @@ class Options:
     model_error_chi2: float = 3.0  # chi2 a sample from which the model error dominates
     wander_rounds: int = 3  # repetitions of fit and noise estimate
     step_budget_again: float = 5e6  # boat steps of each later search
-    step_budget_suspected: float = 8e6  # of the first search where position noise is suspected
     noise_unchanged: tuple[float, float] = (1.0, 1.5)  # in log size and log time: steps of the grid
     most_repeats: int = 3  # searches under re-estimated noise
     total_budget: float = 2e7  # boat steps of all searches, after which none is repeated

@@ -83,12 +83,14 @@ def beam_search(
         if not fitted:
             break
         tried |= {one.hypothesis.label: one for one in fitted}
-        room = options().follow_beam + options().follow_share * (beam[0].chi2 - fitted[0].chi2)
+        for one in _followed(continuation, shown, fitted):
+            best = min(best, fit_by_continuation(continuation, one.hypothesis, one.x), key=criterion)
+        # short windows alone do not tell which of two sets leads to one that leaves noise on longer ones
+        far = adequate_stage(continuation, best) is None
+        share = options().follow_share_far if far else options().follow_share
+        room = options().follow_beam + share * (beam[0].chi2 - fitted[0].chi2)
         distinct = _distinct(fitted)[: options().beam]
         beam = [one for one in distinct if criterion(one) < criterion(fitted[0]) + room]
-        followed = _followed(continuation, shown, fitted)
-        for one in followed:
-            best = min(best, fit_by_continuation(continuation, one.hypothesis, one.x), key=criterion)
     if tried and adequate_stage(continuation, best) is None:
         best = min(best, _closest(continuation, tried.values()), key=criterion)
     tried = _on_shortest(continuation, tried)

@@ -141,8 +141,6 @@ def _with_reconstruction(
         tried.append(beside)
         if beside.is_adequate(LAST, beside.boat_file(LAST)):
             run_set, continuation = moved, beside
-    if run_set.gauss_markov is None and _is_position_noise_suspected(continuation):
-        step_budget = min(step_budget, options().step_budget_suspected)
     sufficient = partial(_sufficient_nuisance, logged=logged, deep=deep or run_set.gauss_markov is not None)
     given = logged, instances, hull, tried
     found = beam_search(continuation, instances, hull, step_budget, sufficient, previous)
@@ -192,11 +190,6 @@ def _is_left_by_commands(continuation: Continuation, at: Fit, noise: Array) -> b
     beside = continuation_of(noisy, continuation.problems[0].weight)
     made = fit_by_continuation(beside, at.hypothesis, at.x)
     return sufficient_reconstruction(beside, made, noisy) is not None
-
-
-def _is_position_noise_suspected(continuation: Continuation) -> bool:
-    """Whether positions alone have a Gauss-Markov residual on the shortest windows."""
-    return _of_positions_alone(_gauss_markov_noise(continuation.problems[0], continuation.boat_file(0)))
 
 
 def _of_positions_alone(noise: Array) -> bool:
