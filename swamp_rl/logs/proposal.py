@@ -56,7 +56,7 @@ NAMES = {
     "velocity_east": "velocity east, ve, v east",
     "u": "u, surge, surge velocity",
     "v": "sway, sway velocity",
-    "yaw_rate": "yaw rate, yawrate, gyro z, gz, wz, turn rate",
+    "yaw_rate": "yaw rate, yawrate, rate z, gyro z, gz, wz, turn rate",
 }
 """Words of names by the quantities of a mapping, without units and sources."""
 POSITIONS = ("latitude", "longitude"), ("north", "east"), ("x", "y")

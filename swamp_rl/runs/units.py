@@ -44,6 +44,8 @@ def factor(name: str, unit: str, column: str | None = None) -> float:
         return next(iter(factors.values()))
     if ours not in factors:
         known = ", ".join(other for other, of in UNITS.items() if ours in of)
+        if (ours, unit) == ("1", "us"):
+            known += f", or map the pulse width, usually 1500 us ± 400: --map '{name}=(COLUMN-1500)/400'"
         raise UserError(f"column {name}: {unit} is not a unit of it; give one of {known}")
     return factors[ours]
 

@@ -43,6 +43,7 @@ def test_the_doctors_units_are_those_of_the_import(column: str, units: dict[str,
         ("yaw_rate", "deg", "deg/s, deg/min, rpm"),
         ("surge", "km", "kn, km/h"),
         ("throttle_port", "rpm", "percent"),
+        ("throttle_port", "us", r"percent, or .*--map 'throttle_port=\(COLUMN-1500\)/400'"),
         ("time", "kn", "ms, us"),
     ],
 )
