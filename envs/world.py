@@ -1,6 +1,5 @@
 """What is the same for all boats of an environment, as the record that the compiled step reads."""
 
-import math
 from functools import lru_cache
 
 import numpy as np
@@ -8,8 +7,7 @@ from numpy.typing import NDArray
 from swamp_rl.envs.reward import FURTHER, REWARD
 from swamp_rl.envs.task import Task
 
-from swamp_rl.angles import is_abeam
-from swamp_rl.boat import Thruster
+from swamp_rl.boat.fixed_lever import fixed_lever
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation.metrics import jet_areas
 from swamp_rl.simulator.parameters import parameters
@@ -81,15 +79,3 @@ def world_of(task: Task) -> NDArray[np.void]:
             world["lever_middle"][0, k] = side * 0.5 * (low_azimuth + high_azimuth)
             world["lever_swing"][0, k] = side * 0.5 * (high_azimuth - low_azimuth)
     return world
-
-
-def fixed_lever(thruster: Thruster) -> tuple[float, float]:
-    """Signs (ahead, turn) with which a fixed thruster obeys the levers: differential thrust.
-
-    Its throttle is that of the throttle's lever times `ahead`, 0 for one that pushes across, plus the angle's
-    lever times `turn`, which turns the bow the way of the lever.
-    """
-    cos, sin = math.cos(thruster.azimuth_min), math.sin(thruster.azimuth_min)
-    moment = thruster.x * sin - thruster.y * cos
-    ahead = 0.0 if is_abeam(thruster.azimuth_min) else np.sign(cos)
-    return float(ahead), float(np.sign(round(moment, 6)))

@@ -31,8 +31,3 @@ def wrapped_below(angle: Angle) -> Angle:
 def within_half_turn(angle: NDArray[np.float64]) -> NDArray[np.float64]:
     """The same direction [rad] in [−π, π]; what lies there already stays as it is to the last bit."""
     return np.asarray(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
-
-
-def is_abeam(direction: float) -> bool:
-    """Whether a push in that direction [rad] goes more to a side than ahead or astern."""
-    return abs(math.sin(direction)) > abs(math.cos(direction))

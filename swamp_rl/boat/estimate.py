@@ -25,7 +25,9 @@ from swamp_rl.boat.schema import Boat, Current, Hull, Joypad, Thruster, Wind
 from swamp_rl.constants import FASTEST, GRAVITY
 from swamp_rl.errors import UserError
 
-Kind = Literal["twin-fixed", "azimuth", "four-azimuths", "propeller-rudder", "waterjet", "outboard"]
+Kind = Literal[
+    "twin-fixed", "four-fixed", "azimuth", "four-azimuths", "propeller-rudder", "waterjet", "outboard"
+]
 KINDS = get_args(Kind)
 DENSITY = 1025.0  # kg/m3, the sea
 GIVEN = "given to swamp-rl boat new"

@@ -21,16 +21,16 @@ ADVANCE = 0.4  # J of the propeller at the top speed
 K_T = (0.3278, -0.3323, -0.156)  # of a propeller with P/D = 0.72
 PITCH = 0.7151
 WIDEST_SCREW = 0.7  # diameter over draught
-AZIMUTHS = {
-    "azimuth": (("bow", 1.0, 0.0), ("stern", -1.0, 0.0)),
-    "four-azimuths": (
-        ("bow_port", 1.0, -1.0),
-        ("bow_starboard", 1.0, 1.0),
-        ("stern_port", -1.0, -1.0),
-        ("stern_starboard", -1.0, 1.0),
-    ),
-}
-"""Names of the thrusters that turn all the way, by kind, with their ends (bow 1) and sides (starboard 1)."""
+CORNERS = (
+    ("bow_port", 1.0, -1.0),
+    ("bow_starboard", 1.0, 1.0),
+    ("stern_port", -1.0, -1.0),
+    ("stern_starboard", -1.0, 1.0),
+)
+"""Names of thrusters with their ends (bow 1) and sides (starboard 1)."""
+AZIMUTHS = {"azimuth": (("bow", 1.0, 0.0), ("stern", -1.0, 0.0)), "four-azimuths": CORNERS}
+"""The thrusters that turn all the way, by kind."""
+CROSSED = math.radians(45.0)  # of four fixed thrusters, those at the bow towards the centre line
 OSAKA = "as the Esso Osaka model, Miyauchi et al. 2022"
 YOSHIMURA = "Yoshimura and Masumoto 2012"
 MOMENTUM = "momentum theory: a jet of constant speed"
@@ -92,8 +92,22 @@ def thrusters_of(kind: str, sizes: Sizes) -> list[dict[str, Any]]:
     length, breadth = sizes.length, sizes.breadth
     if kind == "twin-fixed":
         return [
-            _pushing(sizes, kind, name, 0.5, (-0.45 * length, side * 0.35 * breadth), _fixed(), ASTERN)
+            _pushing(sizes, kind, name, 0.5, (-0.45 * length, side * 0.35 * breadth), _fixed(0.0), ASTERN)
             for name, side in (("port", -1.0), ("starboard", 1.0))
+        ]
+    if kind == "four-fixed":
+        return [
+            _pushing(
+                sizes,
+                kind,
+                name,
+                0.25,
+                (end * 0.4 * length, side * 0.35 * breadth),
+                _fixed(-end * side * CROSSED),
+                ASTERN,
+                math.cos(CROSSED),
+            )
+            for name, end, side in CORNERS
         ]
     if kind in AZIMUTHS:
         turning = {"kind": "azimuth", **_servo(TURN_RATE, sizes)}
@@ -113,9 +127,9 @@ def thrusters_of(kind: str, sizes: Sizes) -> list[dict[str, Any]]:
     return [_pushing(sizes, kind, name, 1.0, (-0.5 * length, 0.0), steered, ASTERN)]
 
 
-def _fixed() -> dict[str, Any]:
-    ahead = assumed(0.0, "rad", "straight ahead")
-    return {"kind": "fixed", "azimuth_min": ahead, "azimuth_max": ahead}
+def _fixed(angle: float) -> dict[str, Any]:
+    source = f"{OURS}, {math.degrees(abs(angle)):g} deg" if angle else "straight ahead"
+    return {"kind": "fixed"} | dict.fromkeys(("azimuth_min", "azimuth_max"), assumed(angle, "rad", source))
 
 
 def _servo(rate: float, sizes: Sizes) -> dict[str, Any]:
@@ -134,14 +148,17 @@ def _pushing(
     place: tuple[float, float],
     turning: Mapping[str, Any],
     astern: float,
+    ahead: float = 1.0,
 ) -> dict[str, Any]:
     """A jet or a screw without rudder: thrust p |p| at rest, which falls linearly with the boat's speed.
 
     T = T_0 (1 − V_a/V_o): a jet of constant speed V_o = √(T_0 / (ρ A)), with A such that `loss_at_speed` is
-    lost at the top speed.
+    lost at the top speed. ahead: part of its thrust that pushes ahead, of which `share` is a share, and of
+    the speed that it meets.
     """
+    share /= ahead
     full, lag = share * sizes.thrust, LAG * sizes.passing
-    outflow = sizes.speed / loss_at_speed(kind)
+    outflow = sizes.speed * ahead / loss_at_speed(kind)
     area = full / (sizes.water_density * outflow**2)
     return {
         "name": name,
@@ -150,7 +167,7 @@ def _pushing(
         "y": assumed(place[1], "m", "ours, where such drives are", 0.05 * sizes.breadth),
         "pump_time_constant": assumed(lag, "s", f"{OURS}, 0.3 √(L/g)", lag),
         "thrust_linear": assumed(0.0, "N", "thrust by the square of the throttle", 0.3 * full),
-        "thrust_quadratic": assumed(full, "N", f"given, {share:g} of the thrust", 0.2 * full),
+        "thrust_quadratic": assumed(full, "N", f"given, {share:.3g} of the thrust", 0.2 * full),
         "astern_linear": assumed(0.0, "N", "thrust by the square of the throttle", 0.3 * astern * full),
         "astern_quadratic": assumed(astern * full, "N", f"{OURS}, {astern:g} of ahead", 0.3 * astern * full),
         "dead_band": assumed(0.0, "1", "none known", 0.05),

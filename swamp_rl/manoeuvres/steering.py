@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.angles import is_abeam
 from swamp_rl.boat import Boat, PropellerRudder, Thruster
+from swamp_rl.boat.fixed_lever import fixed_lever
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.controller import Order, Pattern
 
@@ -56,14 +56,14 @@ def _refuse_impossible(boat: Boat, pattern: Pattern) -> None:
         raise UserError(
             f"pattern bow: boat {boat.name} has no azimuth thruster forward of midship; use opposed"
         )
-    steers = [t for t in jets if not _rests(t) and (t.x if t.kind == "azimuth" else t.y) != 0.0]
+    steers = [t for t in jets if (t.x if t.kind == "azimuth" else math.prod(fixed_lever(t))) != 0.0]
     if not steers and len(jets) == len(boat.thrusters):
         raise UserError(f"boat {boat.name}: no thruster of it turns the boat; a trial needs one that does")
 
 
 def _rests(thruster: Thruster | PropellerRudder) -> bool:
     """Whether it is fixed and pushes abeam, so that a trial leaves it at rest."""
-    return thruster.kind == "fixed" and is_abeam(thruster.azimuth_min)
+    return isinstance(thruster, Thruster) and thruster.kind == "fixed" and fixed_lever(thruster)[0] == 0.0
 
 
 def refuse_astern(boat: Boat, names: Collection[str] | None = None) -> None:
@@ -115,13 +115,11 @@ def _jet(thruster: Thruster, pattern: Pattern) -> Part:
 
 
 def _fixed(thruster: Thruster) -> Part:
-    outward = float(np.sign(thruster.y))
-    if _rests(thruster):
-        return lambda order: (thruster.azimuth_min, 0.0)
+    ahead, turn = fixed_lever(thruster)
 
     def part(order: Order) -> tuple[float, float]:
-        inner = max(outward * order.angle * (-1.0 if order.astern else 1.0), 0.0)
-        level = order.throttle * (1.0 - min(inner / STEEPEST, 1.0))
-        return thruster.azimuth_min, -level if order.astern else level
+        way = -ahead if order.astern else ahead
+        inner = max(-way * turn * order.angle, 0.0)
+        return thruster.azimuth_min, way * order.throttle * (1.0 - min(inner / STEEPEST, 1.0))
 
     return part

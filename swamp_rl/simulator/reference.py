@@ -23,15 +23,17 @@ HALVINGS = 40
 
 @lru_cache(maxsize=64)
 def reference_of(boat: Boat) -> Reference:
-    """Length, breadth, mass, and what full command ahead gives: thrust T at rest and top speed U,
-    X_jets(U) + X_hull(U) = 0.
+    """Length, breadth, mass, and what full command ahead gives: thrust T of all thrusters together at rest
+    and top speed U, X_jets(U) + X_hull(U) = 0.
 
-    Where the thrusters cannot push ahead, U is the speed at which the resistance equals T.
+    Where the thrusters cannot push ahead, T is the sum of their forces, and U the speed at which the
+    resistance equals it.
     """
     record, curves = parameters(boat)[0], tank(boat)
     outputs = _full_ahead(record)
-    thrust = sum(_magnitude(outputs, k, record) for k in range(outputs.shape[1]))
-    pushes = propulsion_forces(outputs, 0, 0.0, 0.0, 0.0, record)[0] > 0.0
+    together = propulsion_forces(outputs, 0, 0.0, 0.0, 0.0, record)
+    pushes = together[0] > 0.0
+    thrust = math.hypot(*together[:2]) if pushes else _magnitudes(outputs, record)
     tow = towing(record, curves)
 
     def net(u: float) -> float:
@@ -60,8 +62,11 @@ def _full_ahead(record: Any) -> NDArray[np.float64]:
     return outputs
 
 
-def _magnitude(outputs: NDArray[np.float64], k: int, record: Any) -> float:
-    """Force [N] of thruster k alone, at rest."""
-    alone = np.zeros_like(outputs)
-    alone[0, k] = outputs[0, k]
-    return math.hypot(*propulsion_forces(alone, 0, 0.0, 0.0, 0.0, record)[:2])
+def _magnitudes(outputs: NDArray[np.float64], record: Any) -> float:
+    """Sum of the forces [N] of each thruster alone, at rest."""
+    total = 0.0
+    for k in range(outputs.shape[1]):
+        alone = np.zeros_like(outputs)
+        alone[0, k] = outputs[0, k]
+        total += math.hypot(*propulsion_forces(alone, 0, 0.0, 0.0, 0.0, record)[:2])
+    return total

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from swamp_rl.boat import Boat, load_boat
-from swamp_rl.boat.estimate import boat_file
+from swamp_rl.boat.estimate import KINDS, boat_file
 from swamp_rl.constants import GRAVITY
 from swamp_rl.guidance.heading import Limits, steering_angle
 from swamp_rl.manoeuvres.controller import Trial
@@ -15,9 +15,7 @@ from swamp_rl.manoeuvres.execute import STEP, execute
 from swamp_rl.manoeuvres.steering_response import stable_gain
 from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.state import SURGE, YAW_RATE
-from tests.support.from_scratch import number, written
 
-BLUFF = {"x_0_ahead": number(-0.4, "1"), "x_0_astern": number(-0.6, "1")}
 FULL = Trial("straight", 1.0, duration=5.0)
 
 
@@ -29,7 +27,7 @@ def light_boat(folder: Path, kind: str, thrust: float) -> Boat:
     return load_boat(path)
 
 
-@pytest.mark.parametrize("kind", ["twin-fixed", "azimuth", "four-azimuths", "waterjet", "outboard"])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "propeller-rudder"])
 def test_a_light_boat_of_great_thrust_goes_straight_at_its_top_speed(tmp_path: Path, kind: str) -> None:
     boat = light_boat(tmp_path, kind, 0.5)
     (executed,) = execute(boat, [FULL])
@@ -39,11 +37,21 @@ def test_a_light_boat_of_great_thrust_goes_straight_at_its_top_speed(tmp_path: P
     assert abs(last[:, YAW_RATE]).max() < math.radians(1.0)
 
 
-def test_four_fixed_thrusters_at_45_degrees_go_straight_at_top_speed(tmp_path: Path) -> None:
-    boat = load_boat(written(tmp_path, "crossed", resistance=BLUFF))
-    (executed,) = execute(boat, [FULL])
-    assert executed.notes == ()
-    assert executed.track[-1, SURGE] == pytest.approx(reference_of(boat).speed, rel=0.01)
+@pytest.mark.parametrize("inward", [1.0, -1.0])
+def test_four_thrusters_at_45_degrees_go_straight_at_top_speed_and_turn_where_they_are_told(
+    tmp_path: Path, inward: float
+) -> None:
+    content = boat_file("crossed", "four-fixed", 1.1, 0.6, 25.0, 80.0)
+    for thruster in content["thrusters"]:
+        for end in ("azimuth_min", "azimuth_max"):
+            thruster[end] = inward * thruster[end]["value"]
+    (tmp_path / "crossed.yaml").write_text(yaml.safe_dump(content))
+    boat = load_boat(tmp_path / "crossed.yaml")
+    circle = Trial("turning-circle", 0.6, angle=math.radians(30.0), turns=1)
+    ahead, turned = execute(boat, [FULL, circle])
+    assert ahead.notes == ()
+    assert ahead.track[-1, SURGE] == pytest.approx(reference_of(boat).speed, rel=0.01)
+    assert turned.completed and turned.track[-1, YAW_RATE] > 0.0
 
 
 def test_the_gain_falls_with_the_thrust_that_turns_the_boat(tmp_path: Path) -> None:

@@ -169,15 +169,6 @@ def test_show_of_runs_without_outcomes_and_seeds_has_no_column_for_them(call: Ca
     assert not any(word in out for word in ("outcome", "seed", "successful"))
 
 
-def test_a_boat_that_the_dataset_names_too_may_be_named_again(call: Call, folder: Path) -> None:
-    for verb in ("check", "doctor", "show"):
-        again = call("runs", verb, folder, "--boat", "swamp")
-        assert again[:2] == call("runs", verb, folder)[:2]
-        assert_complains(
-            call("runs", verb, folder, "--boat", "swamp-thesis"), "whose numbers differ", "--boat"
-        )
-
-
 @pytest.mark.parametrize("course", ["camogli", "nowhere-known"])
 def test_show_draws_where_it_is_reported_whether_or_not_it_knows_the_course(
     call: Call, folder: Path, course: str

@@ -10,6 +10,7 @@ from swamp_rl.experiments.cli import app as cli
 from swamp_rl.replacement import WRITTEN
 from swamp_rl.runs import read_dataset
 from tests.support.binary_logs import bag
+from tests.support.command_line import assert_complains
 from tests.support.runs import circling
 
 Called = tuple[int, str, str]
@@ -225,3 +226,12 @@ def test_the_option_that_a_complaint_offers_can_be_typed_as_it_stands(
     assert "leave the column out: --drop 'my notes'" in message
     again = [word for name in ("north", "east", "heading") for word in ("--map", f"{name}={name}")]
     assert call("import", "log.csv", "--out", "day", "--map", "time=`UTC time`", *again)[0] == 0
+
+
+def test_a_boat_that_the_dataset_names_too_may_be_named_again(
+    call: Callable[..., Called], folder: Path
+) -> None:
+    for verb in ("check", "doctor", "show"):
+        again = call(verb, folder, "--boat", "swamp")
+        assert again[:2] == call(verb, folder)[:2]
+        assert_complains(call(verb, folder, "--boat", "swamp-thesis"), "whose numbers differ", "--boat")
