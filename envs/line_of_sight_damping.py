@@ -7,11 +7,11 @@ from swamp_rl.envs.aboard import Measured
 
 from swamp_rl.boat import Boat
 from swamp_rl.constants import SWAMP_LENGTH
-from swamp_rl.manoeuvres.straight_line_stability import WEATHER
+from swamp_rl.manoeuvres.under_way import under_way
 from swamp_rl.pilots.line_of_sight import DAMPING, LineOfSightPilot, LineOfSightSettings
-from swamp_rl.simulator import initial_state, parameters, simulate, tank
+from swamp_rl.simulator import parameters, simulate, tank
 from swamp_rl.simulator.reference import reference_of
-from swamp_rl.simulator.state import ACTUATORS, HEADING, SURGE, YAW_RATE
+from swamp_rl.simulator.state import HEADING, YAW_RATE
 from swamp_rl.simulator.substeps import substeps_of
 
 OVERSHOOT = 0.1  # rad that the bow may turn on beyond the point aimed at
@@ -48,12 +48,7 @@ def turned_on(boat: Boat, step: float) -> tuple[float, float]:
     begin, end = (
         1 + int(lengths * boat.length / reference_of(boat).speed / step) for lengths in (TURNING, STOPPING)
     )
-    params = parameters(boat)
-    for field in WEATHER:
-        params[field] = 0.0
-    start = initial_state(params, np.zeros((1, 3)))
-    ahead = levers((1.0, 0.0))
-    start[:, ACTUATORS : ACTUATORS + len(ahead)], start[:, SURGE] = ahead, reference_of(boat).speed
+    params, start = under_way(boat, parameters(boat), 1, levers((1.0, 0.0)))
     commands = np.concatenate([np.tile(to_starboard, (begin, 1)), np.tile(to_port, (end, 1))])
     track = simulate(
         params, tank(boat), start, commands[None], np.zeros(1, np.uint64), step, substeps_of(step, boat)

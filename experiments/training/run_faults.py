@@ -61,11 +61,9 @@ def _share_apart(measured: Measured, run: Run) -> float:
     if not columns <= run.columns.keys():
         return 0.0
     fixed = [one.name for one in thrusters if one.command_columns[0] is None]
-    turned = [
-        thrusters[k].name not in fixed for k in driven
-    ]  # a fixed one has its own angle, not the levers'
     logged = run.commands((thrusters[k].name for k in driven), fixed)
-    kept = np.array([*turned, *(True for _ in driven)])
+    # the angle of a fixed thruster is its own, not that of the levers
+    kept = np.array([*(thrusters[k].name not in fixed for k in driven), *(True for _ in driven)])
     places = np.array([*driven, *(len(thrusters) + k for k in driven)])[kept]
     wanted, ends = (
         np.array([measured.commands(levers) for levers in asked])[:, places] for asked in (run.joypad, ENDS)

@@ -5,7 +5,7 @@ import math
 from swamp_rl.boat.schema import Thruster
 
 ABEAM = math.cos(math.radians(75.0))
-"Share of its push ahead, below which a fixed thruster pushes across, as a tunnel thruster does."
+"Share of a push that goes ahead, below which a fixed thruster pushes across, as a tunnel thruster does."
 
 
 def fixed_lever(thruster: Thruster) -> tuple[float, float]:

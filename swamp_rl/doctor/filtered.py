@@ -87,6 +87,8 @@ def _motion_left(first: float, second: float, high: float) -> float:
     """Power density of the motion in the low band, at most, from those of the bands of MOTION: that of a
     quick boat in few rows. Zero where it does not fall as a motion, or where the high band may be motion too.
     """
+    if min(first, second) <= 0.0:
+        return 0.0
     one, other, low, top = (0.5 * (a + b) for a, b in (*MOTION, LOW, HIGH))
     fall = np.log(first / second) / np.log(other / one)
     motion = [second * (frequency / other) ** -fall for frequency in (low, top)]

@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.manoeuvres.controller import Order, Trial
 from swamp_rl.manoeuvres.steering import commands_of
-from swamp_rl.manoeuvres.straight_line_stability import WEATHER
-from swamp_rl.simulator import initial_state, parameters, step, tank
-from swamp_rl.simulator.reference import reference_of
-from swamp_rl.simulator.state import ACTUATORS, SURGE, YAW_RATE
+from swamp_rl.manoeuvres.under_way import under_way
+from swamp_rl.simulator import parameters, step, tank
+from swamp_rl.simulator.state import SURGE, YAW_RATE
 from swamp_rl.simulator.substeps import substeps_of
 
 Array = NDArray[np.float64]
@@ -44,15 +43,11 @@ def _step_response(boat: Boat, trial: Trial, dt: float) -> Array:
     """(T,) yaw rate per steering angle [1/s] after a small step to either side, at the speed of the trial's
     throttle.
     """
-    params = np.repeat(parameters(boat), 2)
-    for field in WEATHER:
-        params[field] = 0.0
-    speed = reference_of(boat).speed * trial.throttle
     orders = commands_of(boat, "opposed" if trial.pattern == "parallel" else trial.pattern)
-    state = initial_state(params, np.zeros((2, 3)))
-    state[:, SURGE], state[:, ACTUATORS:] = speed, orders(Order(0.0, trial.throttle))
+    amidships = orders(Order(0.0, trial.throttle))
+    params, state = under_way(boat, parameters(boat), 2, amidships, trial.throttle)
     commands = np.stack([orders(Order(side * SMALL, trial.throttle)) for side in (1.0, -1.0)])
-    samples = max(LEAST, math.ceil(WATCHED * boat.length / speed / dt))
+    samples = max(LEAST, math.ceil(WATCHED * boat.length / state[0, SURGE] / dt))
     turning, seeds = np.zeros(samples + 1), np.zeros(2, np.uint64)
     for k in range(samples):
         step(state, params, tank(boat), commands, seeds, dt, substeps_of(dt, boat))

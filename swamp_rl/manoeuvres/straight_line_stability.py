@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.manoeuvres.controller import Order
 from swamp_rl.manoeuvres.steering import commands_of
-from swamp_rl.simulator import initial_state, parameters, step, tank
+from swamp_rl.manoeuvres.under_way import under_way
+from swamp_rl.simulator import parameters, step, tank
 from swamp_rl.simulator.reference import reference_of
-from swamp_rl.simulator.state import ACTUATORS, SURGE, SWAY, YAW_RATE
+from swamp_rl.simulator.state import SWAY, YAW_RATE
 from swamp_rl.simulator.substeps import substeps_of
 
 SMALL = 1e-3  # disturbance in units of U and U/L: far below where the cross-flow drag counts
 LASTS = 0.1  # of L / U, over which the disturbance is watched
 MOST_DAMPING = -0.5  # N'_r, several times that of a hull with a skeg
 HALVINGS = 30
-WEATHER = ("wind_speed", "current_north", "current_east", "current_north_rate", "current_east_rate")
 
 
 @dataclass(frozen=True)
@@ -62,12 +62,8 @@ def _growth(boat: Boat, params: NDArray[Any]) -> float:
     """Real part [1/s] of the least stable root of sway and yaw."""
     reference = reference_of(boat)
     sizes = SMALL * np.array([reference.speed, reference.speed / boat.length])
-    both = np.repeat(params, 4)
-    for field in WEATHER:
-        both[field] = 0.0
-    state = initial_state(both, np.zeros((4, 3)))
     command = commands_of(boat, "opposed")(Order(0.0, 1.0))
-    state[:, ACTUATORS:], state[:, SURGE] = command, reference.speed
+    both, state = under_way(boat, params, 4, command)
     state[:2, [SWAY, YAW_RATE]], state[2:, [SWAY, YAW_RATE]] = np.diag(sizes), -np.diag(sizes)
     dt = LASTS * boat.length / reference.speed
     commands, seeds = np.tile(command, (4, 1)), np.zeros(4, np.uint64)
