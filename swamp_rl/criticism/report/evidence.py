@@ -18,7 +18,7 @@ def predictors_sentence(found: Diagnosis) -> str:
     behind = no_better(found.predictors)
     if behind is None:
         return ""
-    advice = " Fit its numbers before reading causes: swamp-rl identify boat."
+    advice = " If its numbers are guesses, fit them before reading causes: swamp-rl identify boat."
     if _explained(found, behind):
         advice = " The extended boat predicts better than both."
     return f"The boat file predicts {behind.words}.{advice}"
