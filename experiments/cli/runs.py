@@ -18,15 +18,17 @@ BoatOption = Annotated[
 
 
 def boat_for(folder: Path, boat: str | None) -> str | None:
-    """The boat that was named for a folder, None where the folder's own description names it; UserError where
-    that names another one.
+    """The boat named for a folder, None where the folder's own description names it too; UserError where that
+    names another one.
     """
     from swamp_rl.boat import load_boat
     from swamp_rl.boat.digest import boat_digest
     from swamp_rl.runs.dataset import META, boat_of, parse
 
-    description, _ = parse(folder) if boat is not None and (folder / META).exists() else (None, [])
-    if boat is None or description is None:
+    if boat is None or not (folder / META).exists():
+        return boat
+    description, _ = parse(folder)
+    if description is None:
         return boat
     if boat_digest(load_boat(boat)) != boat_digest(boat_of(folder, description.meta)):
         named = f"{folder / META} names {description.meta.vehicle}"

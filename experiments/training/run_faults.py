@@ -57,16 +57,13 @@ def _share_apart(measured: Measured, run: Run) -> float:
     """Share of the rows in which a command differs from that of the levers; 0 for a run without commands."""
     thrusters = measured.boat.thrusters
     driven = [k for k, one in enumerate(thrusters) if one.name in measured.boat.joypad.thrusters]
-    columns = {name for k in driven for name in thrusters[k].command_columns if name is not None}
-    if not columns <= run.columns.keys():
+    pairs = [zip(thrusters[k].command_columns, (k, len(thrusters) + k), strict=True) for k in driven]
+    places = {name: place for pair in pairs for name, place in pair if name is not None}
+    if not places.keys() <= run.columns.keys():
         return 0.0
-    fixed = [one.name for one in thrusters if one.command_columns[0] is None]
-    logged = run.commands((thrusters[k].name for k in driven), fixed)
-    # the angle of a fixed thruster is its own, not that of the levers
-    kept = np.array([*(thrusters[k].name not in fixed for k in driven), *(True for _ in driven)])
-    places = np.array([*driven, *(len(thrusters) + k for k in driven)])[kept]
     wanted, ends = (
-        np.array([measured.commands(levers) for levers in asked])[:, places] for asked in (run.joypad, ENDS)
+        np.array([measured.commands(levers) for levers in asked])[:, list(places.values())]
+        for asked in (run.joypad, ENDS)
     )
-    apart = np.abs(logged[:, kept] - wanted)
+    apart = np.abs(run.stacked(places) - wanted)
     return float(np.mean((apart > APART * np.ptp(ends, axis=0)).any(axis=1)))

@@ -30,7 +30,12 @@ CORNERS = (
 """Names of thrusters with their ends (bow 1) and sides (starboard 1)."""
 AZIMUTHS = {"azimuth": (("bow", 1.0, 0.0), ("stern", -1.0, 0.0)), "four-azimuths": CORNERS}
 """The thrusters that turn all the way, by kind."""
-CROSSED = math.radians(45.0)  # of four fixed thrusters, those at the bow towards the centre line
+FIXED = {
+    "twin-fixed": (0.45, 0.0, (("port", -1.0, -1.0), ("starboard", -1.0, 1.0))),
+    "four-fixed": (0.4, math.radians(45.0), CORNERS),
+}
+"""The fixed thrusters by kind: distance from midship over length, angle to the centre line, at the bow
+towards it, and places."""
 OSAKA = "as the Esso Osaka model, Miyauchi et al. 2022"
 YOSHIMURA = "Yoshimura and Masumoto 2012"
 MOMENTUM = "momentum theory: a jet of constant speed"
@@ -90,24 +95,20 @@ def resistance_section(kind: str, sizes: Sizes, source: str) -> dict[str, Any]:
 def thrusters_of(kind: str, sizes: Sizes) -> list[dict[str, Any]]:
     """Sections of `thrusters` of a kind of drive, each with an equal part of the thrust."""
     length, breadth = sizes.length, sizes.breadth
-    if kind == "twin-fixed":
-        return [
-            _pushing(sizes, kind, name, 0.5, (-0.45 * length, side * 0.35 * breadth), _fixed(0.0), ASTERN)
-            for name, side in (("port", -1.0), ("starboard", 1.0))
-        ]
-    if kind == "four-fixed":
+    if kind in FIXED:
+        reach, angle, places = FIXED[kind]
         return [
             _pushing(
                 sizes,
                 kind,
                 name,
-                0.25,
-                (end * 0.4 * length, side * 0.35 * breadth),
-                _fixed(-end * side * CROSSED),
+                1.0 / len(places),
+                (end * reach * length, side * 0.35 * breadth),
+                _fixed(-end * side * angle),
                 ASTERN,
-                math.cos(CROSSED),
+                math.cos(angle),
             )
-            for name, end, side in CORNERS
+            for name, end, side in places
         ]
     if kind in AZIMUTHS:
         turning = {"kind": "azimuth", **_servo(TURN_RATE, sizes)}
@@ -129,7 +130,8 @@ def thrusters_of(kind: str, sizes: Sizes) -> list[dict[str, Any]]:
 
 def _fixed(angle: float) -> dict[str, Any]:
     source = f"{OURS}, {math.degrees(abs(angle)):g} deg" if angle else "straight ahead"
-    return {"kind": "fixed"} | dict.fromkeys(("azimuth_min", "azimuth_max"), assumed(angle, "rad", source))
+    own = assumed(angle + 0.0, "rad", source)  # no minus zero
+    return {"kind": "fixed", "azimuth_min": own, "azimuth_max": own}
 
 
 def _servo(rate: float, sizes: Sizes) -> dict[str, Any]:
