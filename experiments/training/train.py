@@ -11,6 +11,7 @@ from swamp_rl.experiments.config.learners import Training, check_logged, in_orde
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.training.coverage import calm_warning, warning
+from swamp_rl.experiments.training.reaction import reaction_warning
 from swamp_rl.experiments.training.run_faults import run_faults
 from swamp_rl.experiments.training.tracking import tracked
 
@@ -79,9 +80,12 @@ def _notes_on(scene: Scene, name: str, plan: PilotPlan, dataset: Dataset) -> lis
     if not learner(plan.kind).from_runs or plan.takeover > 0.0:
         return []
     runs = _runs_of(name, plan, dataset)
-    return [
-        line for line in (warning(scene, name, runs), calm_warning(scene, name, runs)) if line is not None
-    ]
+    found = (
+        warning(scene, name, runs),
+        calm_warning(scene, name, runs),
+        reaction_warning(scene, name, plan, runs),
+    )
+    return [line for line in found if line is not None]
 
 
 def _check_boat(scene: Scene, dataset: Dataset) -> None:

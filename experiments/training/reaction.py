@@ -1,0 +1,50 @@
+"""Whether the levers of logged runs follow the observations as late as a pilot's `reaction` says."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from swamp_rl.envs.hindsight import with_gates
+from swamp_rl.experiments.config.scene import Scene
+from swamp_rl.experiments.config.schema import PilotPlan
+
+from swamp_rl.errors import UserError
+from swamp_rl.pilots.demonstrations import examples
+from swamp_rl.runs import Run
+
+CLEARLY_MORE = 1.25
+"Ratio of the unexplained shares of the levers, from which the reaction is too long."
+
+
+def reaction_warning(scene: Scene, name: str, plan: PilotPlan, runs: Sequence[Run]) -> str | None:
+    """One line where the levers of the runs that the pilot of that name learns from follow clearly earlier
+    than its `reaction`, so that it would learn to act too early; else None.
+
+    The levers' delay is the shift at which a linear function of the observations explains most of them.
+    """
+    reaction = plan.options.get("reaction", 0.0)
+    if reaction == 0.0:
+        return None
+    seen = [with_gates(run, scene.course) for run in runs]
+    step = scene.experiment.step
+    shifts = [*np.arange(0.0, reaction, step), reaction]
+    try:
+        left = [_unexplained(seen, plan.options["senses"], shift) for shift in shifts]
+    except UserError:  # which the training says
+        return None
+    best = int(np.argmin(left))
+    if left[-1] < CLEARLY_MORE * left[best]:
+        return None
+    return (
+        f"pilots.{name}: the levers follow what the driver saw by about {shifts[best]:.2g} s, not by the "
+        f"reaction of {reaction:g} s (a linear fit leaves {left[best]:.0%} and {left[-1]:.0%} of them); if it "
+        f"acts too early, set reaction to {shifts[best]:.2g}, or to 0 for a driver that is no person"
+    )
+
+
+def _unexplained(runs: Sequence[Run], senses: Sequence[str], reaction: float) -> float:
+    """Share of the levers' variance that a linear function of the observations leaves."""
+    seen, levers, shown = (np.concatenate(parts) for parts in examples(runs, senses, reaction))
+    seen, levers = seen[shown], levers[shown] - levers[shown].mean(axis=0)
+    given = np.column_stack([np.ones(len(seen)), seen])
+    fitted = given @ np.linalg.lstsq(given, levers, rcond=None)[0]
+    return float(((levers - fitted) ** 2).sum() / max((levers**2).sum(), 1e-12))
