@@ -195,7 +195,8 @@ class Options:
     poles: tuple[float, float, int] = (0.2, 0.98, 79)  # least, largest and number of the poles tried
     # ---- Switching times
     share_step: float = 0.25  # of a share, of the finite difference
-    most_instants: int = 60  # of a window, those of the largest steps
+    most_instants: int = 60  # of a window up to the length of a middle one, those of the largest steps
+    instants_steps: float = 1.5e6  # boat steps up to which a longer window has as many for its length
     smallest_change: float = 0.02  # rad or of full throttle: smaller steps are not fitted
     # ---- Commands that stood in lost rows alone
     command_step: float = 0.1  # rad or of full throttle, of the finite difference

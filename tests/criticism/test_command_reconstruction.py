@@ -95,20 +95,25 @@ def test_no_faster_actuator_stands_for_moving_commands_however_long_the_search_w
     assert not np.array_equal(read.commands, log.commands)
 
 
-def jumping(run: int, seconds: float = SECONDS) -> np.ndarray:
-    """(T, 8) commands that switch between the rows of the log."""
+def jumping(run: int, seconds: float = SECONDS, held: int = 23) -> np.ndarray:
+    """(T, 8) commands that switch between the rows of the log, after so many steps."""
     rows = round(seconds / DT)
     rng = np.random.default_rng(run)
-    levels = rng.uniform([-0.8, -0.8, 0.2, 0.0], [0.8, 0.8, 1.0, 1.0], (rows // 23 + 1, 4))
-    step = np.arange(rows) // 23
+    levels = rng.uniform([-0.8, -0.8, 0.2, 0.0], [0.8, 0.8, 1.0, 1.0], (rows // held + 1, 4))
+    step = np.arange(rows) // held
     return levels[step][:, [0, 0, 1, 1, 2, 2, 3, 3]]
 
 
 def switched(
-    effect: dict[str, object], runs: int = 3, seconds: float = SECONDS, first: int = 0, seed: int = 5
+    effect: dict[str, object],
+    runs: int = 3,
+    seconds: float = SECONDS,
+    first: int = 0,
+    seed: int = 5,
+    held: int = 23,
 ) -> tuple[Array, RunSet]:
     """Commands (R, T, 8) that switch between the rows of the log, and the log of a boat with an effect."""
-    given = np.stack([jumping(first + run, seconds) for run in range(runs)])
+    given = np.stack([jumping(first + run, seconds, held) for run in range(runs)])
     sailed = driven([effect], given, 1.0, seed=seed)
     log = replace(sailed, commands=given[:, ::EVERY], measured=sailed.measured[:, ::EVERY], dt=DT * EVERY)
     return given, replace(log, lengths=np.full(runs, log.commands.shape[1]))
@@ -145,6 +150,14 @@ def test_a_long_run_shows_the_instant_of_each_step_though_first_estimates_go_too
     true = given.reshape(1, -1, EVERY, 8).mean(axis=2)
     error, before = (np.abs(one.commands - true).mean() for one in (made, log))
     assert error < 0.5 * before
+
+
+def test_a_long_run_has_as_many_instants_to_its_length_as_its_windows_have() -> None:
+    _, log = switched({"effect": "resistance", "scale": 1.0}, 1, 100.0, held=8)
+    problem = Shooting(log, weights(log, noise_levels(log)), math.inf)
+    at = fit(problem, Hypothesis(), np.zeros(0), problem.initial_states(), fresh=True)
+    _, made, _ = fit_switching_times(problem, at, log, 0.0)
+    assert made.chi2 < 1.2 * problem.samples < 0.1 * at.chi2
 
 
 @pytest.mark.parametrize("scale", [0.6, 1.5])

@@ -11,6 +11,7 @@ from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
 from swamp_rl.criticism.likelihood.output_error import Fit, bounded_step
+from swamp_rl.criticism.model.scales import window_lengths
 from swamp_rl.criticism.nuisance.command_timing import (
     command_changes,
     command_sensitivity,
@@ -143,10 +144,13 @@ def _fitted_rows(problem: Shooting, window: int, change: Array) -> NDArray[np.in
     """The rows of a window whose commands change most until the next one, as many as are fitted; change:
     (R, T, 2K).
     """
-    win = problem.windows
-    run, first = int(win.run[window]), int(win.first[window])
-    size = np.abs(change[run, first : first + int(win.steps[window])]).max(axis=1)
-    count = min(options().most_instants, int((size > options().smallest_change).sum()))
+    win, most = problem.windows, options().most_instants
+    run, first, steps = int(win.run[window]), int(win.first[window]), int(win.steps[window])
+    size = np.abs(change[run, first : first + steps]).max(axis=1)
+    long = most * steps * problem.dt / window_lengths(problem.run_set.boat)[-1]
+    affordable = options().instants_steps / (steps * problem.run_set.parts)
+    count = max(most, int(min(long, affordable)))
+    count = min(count, int((size > options().smallest_change).sum()))
     return first + np.sort(np.argsort(-size, kind="stable")[:count])
 
 

@@ -321,14 +321,18 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
     """Whether a selection with reconstructed commands ends clearly better."""
     return again.adequate > found.adequate or (
         again.adequate == found.adequate
-        and _reached(after, again) < _reached(before, found) - options().reconstruction_gain
+        and _saved(before, found, after, again) > options().reconstruction_gain
     )
 
 
-def _reached(continuation: Continuation, found: Selection) -> float:
-    """Criterion of a selection on the middle windows, the cost of its instants included."""
-    cost = continuation.problems[MIDDLE].run_set.instants_cost
-    return continuation.criterion(continuation.at(MIDDLE, found.winner)) + cost
+def _saved(before: Continuation, found: Selection, after: Continuation, again: Selection) -> float:
+    """Fall of the criterion, the cost of the instants included, on the longest windows that both fit."""
+    stage = min(found.stage, again.stage)
+    reached = [
+        continuation.criterion(continuation.at(stage, one.winner)) + continuation.run_set.instants_cost
+        for continuation, one in ((before, found), (after, again))
+    ]
+    return reached[0] - reached[1]
 
 
 def is_noise_on_whole_runs(
@@ -340,7 +344,7 @@ def is_noise_on_whole_runs(
 
 
 def is_simpler(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
-    """Whether a selection with reconstructed commands explains as much with fewer effects."""
-    as_good = _reached(after, again) < _reached(before, found) + options().separation
+    """Whether a selection with reconstructed commands explains as much by fewer effects, or clearly more."""
     fewer = len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
-    return again.adequate and fewer and as_good
+    least = -options().separation if fewer else options().reconstruction_gain
+    return again.adequate and _saved(before, found, after, again) > least
