@@ -185,6 +185,7 @@ class Options:
     judged_stride: int = 3  # samples, of the recognition
     smoothed_ratio: float = 1.6  # least ratio of variances over that stride and over one: a pole of 0.35
     motion_exponent: float = 4.0  # of that ratio, from which it is the motion (6), no filter's noise (1 to 3)
+    motion_certainty: float = 2.0  # standard errors of faster growth, from which a stride holds the motion
     first_order_exponent: float = 1.2  # up to which the filter is of first order, and lags behind the motion
     smoothed_certainty: float = 6.0  # standard errors of the ratio beside that
     rounding_noise: float = 1e-9  # of `state_scale`: less is the rounding of a simulation, no sensor's

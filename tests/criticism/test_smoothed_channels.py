@@ -105,6 +105,21 @@ def test_a_quick_motion_beside_white_noise_is_no_filters_noise(size: float) -> N
     assert smoothed_channels(replace(runs, measured=poses)) == {}
 
 
+def test_a_motion_that_fills_the_longer_strides_adds_nothing_to_the_noise() -> None:
+    """A gyro's white noise and a receiver's wander, on a boat that turns and circles within seconds."""
+    rng, dt = np.random.default_rng(2), 0.2
+    measured = np.full((4, 800, 6), np.nan)
+    time = dt * np.arange(800) + rng.uniform(0.0, 30.0, 4)[:, None]
+    wander = gauss_markov_noise(rng, (4, 800), 0.3, 20.0 * DT / dt)
+    measured[..., 0] = 8.0 * np.sin(time / 3.0) + wander + 0.02 * rng.standard_normal((4, 800))
+    measured[..., 5] = 0.4 * np.sin(time / 1.5) + 0.0035 * rng.standard_normal((4, 800))
+    still = np.zeros((4, 800, 8))
+    runs = replace(simulated_runs([], 0), measured=measured, commands=still, dt=dt, lengths=np.full(4, 800))
+    found = smoothed_channels(runs)
+    assert "yaw_rate" not in found
+    assert all(one.standard_deviation < 0.3 for one in found.values())
+
+
 def test_a_wandering_receiver_a_slow_log_and_a_run_without_noise_are_not_filters() -> None:
     runs = simulated_runs([], 3)
     wander = gauss_markov_noise(np.random.default_rng(0), runs.measured[..., :2].shape, 0.3, 20.0)

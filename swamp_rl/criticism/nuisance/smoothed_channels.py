@@ -86,9 +86,13 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothe
     ):
         return None
     variances = {s: _variance(*own, _median_rate(*own)) for s, own in of_strides.items()}
-    measured = {stride: one[0] for stride, one in variances.items() if one is not None}
-    pole = _pole(measured)
-    longest = max(measured)
+    measured = _without_motion({stride: one for stride, one in variances.items() if one is not None})
+    pole, longest = _pole(measured), max(measured)
+    if (
+        third_difference_variance(pole, options().judged_stride) / third_difference_variance(pole, 1)
+        < options().smoothed_ratio
+    ):
+        return None  # white noise beside a motion that fills the longer strides
     power = measured[longest] / third_difference_variance(pole, longest)
     low = power * (1.0 + pole) / (1.0 - pole)
     seconds = -dt / math.log(pole)
@@ -135,6 +139,22 @@ def _variance(differences: Array, rate: Array, quiet: float) -> tuple[float, int
     near = kept[np.abs(kept) <= options().difference_clip * max(rough, 1e-12)]
     noise = len(near) >= options().least_inside * len(kept)
     return (float(np.mean(near**2)), len(near)) if noise else None
+
+
+def _without_motion(variances: Mapping[int, tuple[float, int]]) -> dict[int, float]:
+    """The variances by stride, to the one from which they grow by a higher power of it than before: those of
+    a filter's noise grow ever less, a motion's by its sixth.
+    """
+    error = math.sqrt(6.0 * OF_A_VARIANCE / min(number for _, number in variances.values()))
+    (first, (kept, _)), *others = variances.items()
+    found, slowest = {first: kept}, math.inf
+    for (before, (last, _)), (stride, (variance, _)) in zip(variances.items(), others, strict=False):
+        doublings = math.log(stride / before)
+        growth = math.log(variance / last) / doublings
+        if growth > slowest + options().motion_certainty * error / doublings:
+            break
+        found[stride], slowest = variance, min(growth, slowest)
+    return found
 
 
 def third_difference_variance(pole: float, stride: int) -> float:
