@@ -26,6 +26,10 @@ LONGEST_ROW = 0.25
 a fifth of the band in which `filtered` looks for noise."""
 SHORTEST_STEP = 1e-6
 """s: of the rows of a log; a window of any length then has a count of rows."""
+FRAMES = {"axes_exchanged", "heading_enu"}
+"""The two explanations of positions that are a mirror image of the heading."""
+MIRRORED = {"commands_exchanged", "angles_flipped"}
+"""Answers of a boat whose motion is seen in a mirror."""
 
 
 def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True) -> list[Finding]:
@@ -48,9 +52,23 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     resolved = [run for run, motion in moved if _whole(run) and _is_resolved(motion, boat)]
     found += filter_findings(resolved, measured)
     motions = [motion for _, motion in moved if motion is not None]
-    kinematic, motions = kinematic_findings(motions)
-    found += kinematic + response_findings(motions, boat) + unpowered_findings(motions)
+    found += _motion_findings(motions, boat)
     return sorted(found, key=lambda finding: finding.level != "fault")
+
+
+def _motion_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Finding]:
+    """Of the kinematics and of the answer to the commands. Where north and east are exchanged or the heading
+    is of another frame, a boat that answers as its mirror image says which of the two it is.
+    """
+    kinematic, corrected = kinematic_findings(motions)
+    response = response_findings(corrected, boat)
+    first = next((one.code for one in kinematic if one.code in FRAMES), None)
+    if first and MIRRORED & {one.code for one in response}:
+        other, instead = kinematic_findings(motions, exchanged=first != "axes_exchanged")
+        answer = response_findings(instead, boat)
+        if not MIRRORED & {one.code for one in answer}:
+            kinematic, corrected, response = other, instead, answer
+    return [*kinematic, *response, *unpowered_findings(corrected)]
 
 
 def missing_findings(runs: Sequence[Run]) -> list[Finding]:

@@ -37,12 +37,18 @@ UNIT_TOLERANCE = 0.25
 and 0.33."""
 
 
-def kinematic_findings(motions: Sequence[Motion]) -> tuple[list[Finding], list[Motion]]:
-    """What contradicts itself, and the motions with the heading and yaw rate that would be consistent."""
+def kinematic_findings(
+    motions: Sequence[Motion], exchanged: bool | None = None
+) -> tuple[list[Finding], list[Motion]]:
+    """What contradicts itself, and the motions with the heading and yaw rate that would be consistent.
+
+    exchanged: whether north and east are, and not the heading of another frame, where one of these is; None:
+    as the yaw rate suggests.
+    """
     if not motions:
         return [], []
     found: list[Finding] = []
-    heading, motions = _heading_against_course(motions)
+    heading, motions = _heading_against_course(motions, exchanged)
     turning = _yaw_rate_against_heading(motions)
     found += heading + turning
     known = [one for one in motions if one.surge is not None]
@@ -53,7 +59,7 @@ def kinematic_findings(motions: Sequence[Motion]) -> tuple[list[Finding], list[M
         found += _speed_for_surge(known, surge, velocity)
     signs = [finding.figures.get("sign", 1.0) for finding in turning]
     if signs and signs[0] < 0.0:
-        motions = [one if one.yaw_rate is None else replace(one, yaw_rate=-one.yaw_rate) for one in motions]
+        motions = [_with_flipped_yaw_rate(one) for one in motions]
     return found, motions
 
 
@@ -70,17 +76,22 @@ def _resultants(motions: Sequence[Motion]) -> tuple[complex, complex]:
     return (difference / weight, total / weight) if weight > 0.0 else (0j, 0j)
 
 
-def _heading_against_course(motions: Sequence[Motion]) -> tuple[list[Finding], list[Motion]]:
+def _heading_against_course(
+    motions: Sequence[Motion], exchanged: bool | None
+) -> tuple[list[Finding], list[Motion]]:
     difference, total = _resultants(motions)
     figures = {"resultant_difference": abs(difference), "resultant_sum": abs(total)}
     if abs(total) > max(ALIGNED, abs(difference) + BETTER):
         angle = cmath.phase(total)
-        mirrored = _mirrored(motions, angle, figures)
+        agrees = (_slope_of_turning(motions) or -1.0) > 0.0
+        mirrored = _mirrored(angle, figures, agrees, agrees if exchanged is None else exchanged)
         if mirrored.code == "axes_exchanged":
             return [mirrored], [replace(one, velocity=1j * np.conj(one.velocity)) for one in motions]
         corrected = [
             one.with_heading(np.conj(one.direction) * cmath.exp(1j * angle), -one.turning) for one in motions
         ]
+        if mirrored.code == "heading_enu" and agrees:
+            corrected = [_with_flipped_yaw_rate(one) for one in corrected]
         return [mirrored], corrected
     angle = cmath.phase(difference)
     if abs(difference) > ALIGNED and abs(angle) > LARGEST_DRIFT:
@@ -95,40 +106,33 @@ def _heading_against_course(motions: Sequence[Motion]) -> tuple[list[Finding], l
     return [], list(motions)
 
 
-def _mirrored(motions: Sequence[Motion], angle: float, figures: dict[str, float]) -> Finding:
-    """Course plus heading is constant: the heading counts the other way, or the axes are exchanged."""
+def _mirrored(angle: float, figures: dict[str, float], agrees: bool, exchanged: bool) -> Finding:
+    """Course plus heading is constant: the heading counts the other way, or the axes are exchanged. agrees:
+    whether yaw_rate has the sign of the heading's slope.
+    """
     figures = figures | {"sum_rad": angle}
     message = (
         f"course over ground plus heading is constant ({math.degrees(angle):+.0f} degrees), minus it is not"
     )
-    agrees = _slope_of_turning(motions)
-    if abs(math.remainder(angle - 0.5 * math.pi, 2.0 * math.pi)) < LARGEST_DRIFT:
-        if agrees is not None and agrees > 0.0:
-            return Finding(
-                "fault",
-                "axes_exchanged",
-                ("north", "east"),
-                f"{message}, and heading agrees with yaw_rate",
-                "north and east are exchanged (x, y of an ENU frame?): map them the other way round",
-                figures=figures,
-            )
-        return Finding(
-            "fault",
-            "heading_enu",
-            ("heading",),
-            message,
-            "heading is counted from east to north (ENU), or north and east are exchanged: import with "
-            "--frame enu, mapping yaw",
-            figures=figures,
+    message += ", and heading agrees with yaw_rate" if agrees else ""
+    if abs(math.remainder(angle - 0.5 * math.pi, 2.0 * math.pi)) >= LARGEST_DRIFT:
+        advice = "heading counts counterclockwise: change its sign (or that of east)"
+        return Finding("fault", "heading_flipped", ("heading",), message, advice, figures=figures)
+    if exchanged:
+        advice = (
+            "north and east are exchanged (x, y of an ENU frame, or latitude for longitude): map them the "
+            "other way round"
         )
-    return Finding(
-        "fault",
-        "heading_flipped",
-        ("heading",),
-        message,
-        "heading counts counterclockwise: change its sign (or that of east)",
-        figures=figures,
-    )
+        return Finding("fault", "axes_exchanged", ("north", "east"), message, advice, figures=figures)
+    columns, verb = (("heading", "yaw_rate"), "are") if agrees else (("heading",), "is")
+    advice = f"{' and '.join(columns)} {verb} counted from east to north (ENU)"
+    advice += "" if agrees else ", or north and east are exchanged"
+    advice += ": import with --frame enu, mapping yaw"
+    return Finding("fault", "heading_enu", columns, message, advice, figures=figures)
+
+
+def _with_flipped_yaw_rate(motion: Motion) -> Motion:
+    return motion if motion.yaw_rate is None else replace(motion, yaw_rate=-motion.yaw_rate)
 
 
 def _slope_of_turning(motions: Sequence[Motion]) -> float | None:

@@ -166,8 +166,8 @@ CHANGES: dict[str, tuple[Callable[[Columns], Columns], str, str]] = {
     ),
     "ENU heading": (
         lambda c: {**c, "heading": wrapped(np.pi / 2 - c["heading"]), "yaw_rate": -c["yaw_rate"]},
-        "axes_exchanged",
-        "north",
+        "heading_enu",
+        "heading",
     ),
     "yaw of ENU alone": (
         lambda c: {**c, "heading": wrapped(np.pi / 2 - c["heading"])},
@@ -175,6 +175,11 @@ CHANGES: dict[str, tuple[Callable[[Columns], Columns], str, str]] = {
         "heading",
     ),
     "axes": (swapped("north", "east"), "axes_exchanged", "north"),
+    "axes without a yaw rate": (
+        lambda c: {n: v for n, v in swapped("north", "east")(c).items() if n != "yaw_rate"},
+        "axes_exchanged",
+        "north",
+    ),
     "yaw rate flipped": (scaled("yaw_rate", -1.0), "yaw_rate_flipped", "yaw_rate"),
     "yaw rate in degrees": (scaled("yaw_rate", 57.3), "unit", "yaw_rate"),
     "knots": (scaled("surge", 1.944), "unit", "surge"),
