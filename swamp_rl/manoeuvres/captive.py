@@ -115,8 +115,13 @@ def command_of(boat: Boat, throttle: float, names: Sequence[str], astern: bool =
     ordered = commands_of(boat, "opposed")(Order(0.0, throttle, astern))
     runs = np.isin(boat.thruster_names, list(names))
     ordered[len(runs) :] *= runs
+    return settled(boat, ordered)
+
+
+def settled(boat: Boat, command: Array) -> Array:
+    """(2K,) where the actuators come to rest under a command (2K,): within their limits."""
     record = parameters(boat)[0]
-    return np.array([commanded(k, 0.0, ordered, record) for k in range(len(runs))]).T.ravel()
+    return np.array([commanded(k, 0.0, command, record) for k in range(len(boat.thrusters))]).T.ravel()
 
 
 def forces(boat: Boat, surge: float, command: Array) -> tuple[float, float, float]:

@@ -49,7 +49,7 @@ def next_trial_sentences(trial: NextTrial) -> list[str]:
     return sentences
 
 
-def next_trial_section(found: Diagnosis, boat: Boat, images: Mapping[str, str]) -> str:
+def next_trial_section(found: Diagnosis, images: Mapping[str, str]) -> str:
     """The trial as a part of the page; empty where none was designed."""
     trial = found.next_trial
     if trial is None:
@@ -57,7 +57,7 @@ def next_trial_section(found: Diagnosis, boat: Boat, images: Mapping[str, str]) 
     listed = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in next_trial_sentences(trial))
     rows = [("this trial", f"{trial.evidence:.3g}", f"{trial.duration_s:.0f}")]
     rows += [
-        (manoeuvre_words(one.manoeuvre, boat), f"{one.evidence:.3g}", f"{one.duration_s:.0f}")
+        (manoeuvre_words(one.manoeuvre), f"{one.evidence:.3g}", f"{one.duration_s:.0f}")
         for one in trial.of_list[:LISTED]
     ]
     unit = "information, in multiples of the present" if trial.narrows else "evidence [χ²]"

@@ -71,7 +71,7 @@ def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
         errors_section(found, images),
         causes_section(found, run_set),
         identifiability_section(found, run_set),
-        next_trial_section(found, run_set.boat, images),
+        next_trial_section(found, images),
         self_trial_section(found),
         residual_section(found, images),
         extension_section(found),
@@ -226,7 +226,7 @@ def separating_manoeuvre(found: Diagnosis, run_set: RunSet) -> str:
     )
     return (
         "<h2>Separating manoeuvre</h2><p>Of the manoeuvres that this boat can sail: "
-        f"<b>{html.escape(manoeuvre_words(trial.manoeuvre, run_set.boat))}</b>, "
+        f"<b>{html.escape(manoeuvre_words(trial.manoeuvre))}</b>, "
         f"for {trial.duration_s:.0f} s with the same sensors. The explanation with the lowest χ² would "
         f"then differ by {apart} standard errors or more from each of the others. Three are {repeat}.</p>"
     )

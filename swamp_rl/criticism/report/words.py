@@ -3,8 +3,6 @@
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from swamp_rl.boat import Boat
 from swamp_rl.constants import Z95
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
@@ -233,28 +231,18 @@ def closeness(verdict: str) -> str:
     )
 
 
-TURNING_JETS = {  # of thrusters that turn all the way
-    "spin": "turning on the spot, all thrusters across at 60 %",
+MANOEUVRES = {
+    "spin": "turning on the spot, 60 %",
     "astern": "straight astern, 60 %",
-    "sideways": "sideways, all thrusters abeam at 60 %",
-}
-DESCRIPTIONS = {
+    "sideways": "sideways to starboard, 60 %",
     "differential thrust": "straight ahead, the thrusters of either side with alternating thrust",
     "adrift": "ten seconds ahead at 80 %, then without thrust",
 }
 
 
-def manoeuvre_words(name: str, boat: Boat) -> str:
-    """Description of a manoeuvre; a rudder that cannot turn all the way is put hard over."""
-    from swamp_rl.simulator import parameters
-
-    if name not in TURNING_JETS:
-        return DESCRIPTIONS.get(name, name)
-    record = parameters(boat)[0]
-    reach = float(max(np.abs(record["azimuth_min"]).max(), np.abs(record["azimuth_max"]).max()))
-    if reach >= math.pi / 2:
-        return TURNING_JETS[name]
-    return f"hard over ({math.degrees(reach):.0f}°) at 60 %" if reach > 0.0 else "straight ahead, 60 %"
+def manoeuvre_words(name: str) -> str:
+    """Description of a manoeuvre."""
+    return MANOEUVRES.get(name, name)
 
 
 GAINED_ON = {
