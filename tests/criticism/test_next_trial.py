@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from swamp_rl.boat import load_boat
+from swamp_rl.boat import Boat, PropellerRudder, load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.diagnose import examine
@@ -28,6 +28,7 @@ from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.runs import read_run
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
+from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.replay import replay
 from tests.support.criticism import DT, SECONDS, SIGMA, driven, joined, select_effects
 from tests.support.new_boats import new_boat
@@ -47,9 +48,9 @@ RESULT: dict[str, Any] = {
 TRUTHS = {"thrust_scale": ("scale", 0.9), "resistance": ("scale", 1.2)}
 
 
-def explained(name: str, value: float, deviation: float) -> Explanation:
+def explained(name: str, value: float, deviation: float, boat: Boat = BOAT) -> Explanation:
     """An effect of one parameter, known to a standard deviation."""
-    hypothesis = Hypothesis((by_label(candidates(BOAT, SECONDS))[name],))
+    hypothesis = Hypothesis((by_label(candidates(boat, SECONDS))[name],))
     return Explanation(name, hypothesis, np.array([value]), np.array([[deviation**-2.0]]))
 
 
@@ -113,6 +114,22 @@ def test_the_trial_has_more_evidence_than_the_best_fixed_manoeuvre(
     result = designed(question(*names, column=column)).result
     assert result.of_list[0].evidence == max(one.evidence for one in result.of_list) > 0.0
     assert result.evidence > result.of_list[0].evidence
+
+
+@pytest.mark.usefixtures("brief")
+@pytest.mark.parametrize("share", [1.0, 0.5])
+def test_a_propeller_turns_up_to_a_share_of_its_own_revolutions(tmp_path: Path, share: float) -> None:
+    boat = new_boat(tmp_path, "propeller-rudder")
+    commands = np.zeros((1, round(SECONDS / DT), 2))
+    runs = RunSet(boat, DT, ("a",), commands, np.zeros((1, commands.shape[1], 6)), np.full(1, 1))
+    asked = Question(runs, SIGMA, (explained("resistance", 1.2, 0.01, boat),), 0)
+    limits = trial_limits("60x60", boat, 30.0, throttle=share)
+    found = design_trial(asked, NARROWS, limits, np.random.default_rng(0))
+    (propeller,) = boat.thrusters
+    assert isinstance(propeller, PropellerRudder)
+    assert found.commands[:, 1].max() == pytest.approx(share * propeller.revolutions_max)
+    assert found.commands[:, 1].min() >= -share * propeller.revolutions_max_astern
+    assert found.result.top_speed > 0.8 * share * reference_of(boat).speed
 
 
 @pytest.mark.usefixtures("brief")

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.model.manoeuvres import manoeuvres
+from swamp_rl.criticism.model.manoeuvres import command_limits, manoeuvres
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.substeps import steps_over
@@ -84,12 +84,13 @@ class CommandFamily:
         return made
 
     def _of_palette(self, rng: np.random.Generator) -> Array:
-        """(2K,) a command of the palette at one of the levels."""
+        """(2K,) a command of the palette, its largest share of full at one of the levels."""
         thrusters = len(self.low) // 2
         row = self.palette[rng.integers(len(self.palette))].copy()
-        largest = np.abs(row[thrusters:]).max()
+        limit = np.where(row < 0.0, self.low, self.high)[thrusters:]
+        largest = (row[thrusters:] / limit).max()
         if largest > 0.0:
-            row[thrusters:] *= rng.choice(options().trial_levels) * self.high[thrusters:].max() / largest
+            row[thrusters:] *= rng.choice(options().trial_levels) / largest
         return np.clip(row, self.low, self.high)
 
 
@@ -99,13 +100,11 @@ def command_family(boat: Boat, dt: float, seconds: float, throttle: float) -> Co
     A command is held for `trial_hold` or more, and for as long as the slowest actuator takes from one end to
     the other (half a turn of an azimuth without ends), so that the boat follows it.
     """
-    record, count = parameters(boat)[0], len(boat.thrusters)
-    angles = [np.clip(record[name], -math.pi, math.pi) for name in ("azimuth_min", "azimuth_max")]
-    swing = np.minimum(angles[1] - angles[0], math.pi)
+    count = len(boat.thrusters)
+    low, high = command_limits(boat, throttle)
+    swing = np.minimum(high[:count] - low[:count], math.pi)
     with np.errstate(divide="ignore", invalid="ignore"):
-        slowest = float(np.nan_to_num(swing / record["azimuth_rate"], posinf=0.0).max())
-    low = np.concatenate([angles[0], [max(one.throttle_min, -throttle) for one in boat.thrusters]])
-    high = np.concatenate([angles[1], np.full(count, throttle)])
+        slowest = float(np.nan_to_num(swing / parameters(boat)["azimuth_rate"][0], posinf=0.0).max())
     rows = np.concatenate(list(manoeuvres(boat, dt, seconds).values()))
     mirrored = rows * np.concatenate([-np.ones(count), np.ones(count)])
     palette = np.unique(np.round(np.concatenate([rows, mirrored]), 9), axis=0)
