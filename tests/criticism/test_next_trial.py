@@ -11,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from swamp_rl.boat import Boat, PropellerRudder, load_boat
+from swamp_rl.boat.estimate import Kind
 from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.diagnose import examine
@@ -283,11 +284,18 @@ def test_a_diagnosis_stands_where_there_is_no_trial_to_design() -> None:
     assert finding.diagnosis.next_trial is None and finding.next_trial is None
 
 
-@pytest.mark.parametrize(("turns", "panels"), [(True, ["angle [°]", "throttle"]), (False, ["throttle"])])
-def test_the_figure_has_angles_only_of_thrusters_that_turn(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, turns: bool, panels: list[str]
+@pytest.mark.parametrize(
+    ("kind", "panels"),
+    [
+        ("four-azimuths", ["angle [°]", "throttle"]),
+        ("twin-fixed", ["throttle"]),
+        ("propeller-rudder", ["angle [°]", "revolutions [rps]"]),
+    ],
+)
+def test_the_figure_has_the_quantities_that_the_thrusters_are_commanded_by(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: Kind, panels: list[str]
 ) -> None:
-    boat = BOAT if turns else new_boat(tmp_path, "twin-fixed")
+    boat = new_boat(tmp_path, kind)
     commands = np.zeros((20, 2 * len(boat.thrusters)))
     result = NextTrial(**RESULT)
     drawn: list[str] = []

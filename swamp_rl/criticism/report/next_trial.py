@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from swamp_rl.boat import Boat
+from swamp_rl.boat import Boat, PropellerRudder
 from swamp_rl.criticism.inference.next_trial import Designed
 from swamp_rl.criticism.report.words import manoeuvre_words, readable
 from swamp_rl.criticism.result import Diagnosis, NextTrial
@@ -75,20 +75,34 @@ def draw_next_trial(path: Path, trial: Designed, boat: Boat, dt: float) -> Path:
     with sheet(path, 10.5, 4.4) as figure:
         left, right = figure.subfigures(1, 2, width_ratios=(1, 1.4))
         _draw_tracks(left.subplots(), trial)
-        turning = [k for k, thruster in enumerate(boat.thrusters) if thruster.command_columns[0] is not None]
-        panels = right.subplots(2 if turning else 1, 1, sharex=True, squeeze=False)[:, 0]
+        panels = _panels(boat)
+        drawn = right.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         time, count = dt * np.arange(len(trial.commands)), len(boat.thrusters)
-        for k in turning:
-            panels[0].step(time, np.degrees(trial.commands[:, k]), where="post", lw=1.2, color=f"C{k}")
-            panels[0].set(ylabel="angle [°]")
-        for k, name in enumerate(boat.thruster_names):
-            panels[-1].step(
-                time, trial.commands[:, count + k], where="post", lw=1.2, color=f"C{k}", label=name
-            )
-        panels[-1].set(ylabel="throttle", xlabel="time [s]")
-        handles, names = panels[-1].get_legend_handles_labels()
-        panels[0].legend(handles, names, ncols=count, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+        lines = {}
+        for axes, (label, columns) in zip(drawn, panels.items(), strict=True):
+            for column in columns:
+                values = trial.commands[:, column]
+                values = np.degrees(values) if column < count else values
+                k = column % count
+                (lines[k],) = axes.step(time, values, where="post", lw=1.2, color=f"C{k}")
+            axes.set(ylabel=label)
+        drawn[-1].set(xlabel="time [s]")
+        handles = [lines[k] for k in range(count)]
+        drawn[0].legend(
+            handles, boat.thruster_names, ncols=count, loc="lower center", bbox_to_anchor=(0.5, 1.0)
+        )
     return path
+
+
+def _panels(boat: Boat) -> dict[str, list[int]]:
+    """Columns of the commands (T, 2K) by quantity, of those that the boat has."""
+    found: dict[str, list[int]] = {"angle [°]": [], "throttle": [], "revolutions [rps]": []}
+    for k, thruster in enumerate(boat.thrusters):
+        if thruster.command_columns[0] is not None:
+            found["angle [°]"].append(k)
+        level = "revolutions [rps]" if isinstance(thruster, PropellerRudder) else "throttle"
+        found[level].append(len(boat.thrusters) + k)
+    return {label: columns for label, columns in found.items() if columns}
 
 
 def _draw_tracks(axes: Any, trial: Designed) -> None:
