@@ -5,6 +5,7 @@ from swamp_rl.envs.again import same_episode
 from swamp_rl.envs.line_of_sight_damping import suited
 from swamp_rl.envs.observation import observed
 from swamp_rl.experiments.artifacts.stages import say
+from swamp_rl.experiments.config.made import made_of
 
 from swamp_rl.boat import Boat
 from swamp_rl.course import Course
@@ -15,7 +16,6 @@ from swamp_rl.pilots.arguments import Asked, opened
 from swamp_rl.pilots.made_for import check_made_for
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.record import replayable
-from swamp_rl.pilots.store import describe_pilot
 from swamp_rl.runs import Run, RunMeta
 
 
@@ -25,7 +25,7 @@ def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
     UserError as `check_made_for`, and for a pilot that is missing or damaged, or observes what there is not.
     """
     try:
-        made = None if asked.folder is None else describe_pilot(asked.folder).made
+        made = made_of(asked.kind, asked.options if asked.folder is None else {"folder": asked.folder})
         pilot = suited(opened(asked), boat, step)
     except UserError as error:
         if asked.folder in shipped_folders("pilots").values():
@@ -33,7 +33,7 @@ def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
         raise
     with errors_at(asked.folder or (asked.kind if ":" in asked.kind else asked.name)):
         observed(pilot.senses)
-    if (line := check_made_for(asked.folder or asked.name, made, boat, step)) is not None:
+    if (line := check_made_for(asked.place or asked.name, made, boat, step)) is not None:
         say(line)
     return pilot
 

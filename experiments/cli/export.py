@@ -16,6 +16,7 @@ def export(
 
     from swamp_rl.errors import UserError
     from swamp_rl.export import OnnxPilot, greatest_difference, write_onnx
+    from swamp_rl.export.onnx_pilot import MADE
     from swamp_rl.export.timing import step_microseconds
     from swamp_rl.pilots.arguments import asked_pilot
     from swamp_rl.pilots.store import describe_pilot, load_pilot
@@ -28,6 +29,8 @@ def export(
     about = {"weights_sha256": description.weights.sha256}
     if description.fitted_on is not None:
         about["fitted_on"] = description.fitted_on.model_dump_json()
+    if description.made is not None:
+        about[MADE] = description.made.model_dump_json()
     write_onnx(loaded, out, about)
     rng = np.random.default_rng(0)
     difference = greatest_difference(loaded, out, rng)

@@ -23,7 +23,7 @@ from swamp_rl.pilots.settings import Settings
 if TYPE_CHECKING:
     from swamp_rl.envs.batched import GatesVectorEnv
 
-    from swamp_rl.pilots.description import FittedOn, Made
+    from swamp_rl.pilots.description import FittedOn
     from swamp_rl.pilots.pilot import Pilot
     from swamp_rl.runs import Dataset, Run
 
@@ -93,8 +93,6 @@ class Learner:
     "The kinds of these pilots; empty for any."
     fitted_on: "Callable[[Training], FittedOn | None] | None" = None
     "The runs that are stored with the pilot as those it learned from; by default those of its training."
-    made: "Callable[[Training], Made | None] | None" = None
-    "For which boat it was made; by default the scene's."
 
 
 def learner(kind: str) -> Learner:
@@ -319,7 +317,6 @@ def _stored() -> Learner:
         train=lambda training: load_pilot(training.settings.folder),
         description=lambda plan: f"stored in `{plan.options['folder']}`",
         fitted_on=lambda training: describe_pilot(training.settings.folder).fitted_on,
-        made=lambda training: describe_pilot(training.settings.folder).made,
     )
 
 

@@ -9,6 +9,7 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.task import Task
+from swamp_rl.experiments.config.made import made_of
 from swamp_rl.experiments.config.named_files import levels_of
 from swamp_rl.experiments.config.schema import Experiment, senses_in
 
@@ -18,7 +19,6 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, read_yaml
 from swamp_rl.pilots.made_for import check_made_for
 from swamp_rl.pilots.own import is_named, own_class
-from swamp_rl.pilots.store import describe_pilot
 from swamp_rl.simulator.reference import reference_of
 
 
@@ -79,9 +79,8 @@ def read_scene(experiment: Experiment, given: Path | str = "experiment") -> Scen
     for level in (None, *levels_of(experiment)):
         scene.boats_at(level)(1, ("north",)).close()
     for name, plan in experiment.pilots.items():
-        if plan.kind == "stored":
-            folder = plan.options["folder"]
-            check_made_for(folder, describe_pilot(folder).made, boat, experiment.step)
+        place = plan.options.get("folder", plan.options.get("file", name))
+        check_made_for(place, made_of(plan.kind, plan.options), boat, experiment.step)
         asked = [(f"pilots.{name}.options.senses", senses) for senses in senses_in(plan.options)]
         senses = getattr(own_class(plan.kind), "senses", None) if is_named(plan.kind) else None
         if isinstance(senses, list | tuple):

@@ -67,13 +67,8 @@ def evaluate_folders(
 
 def _once(pilots: Sequence[Asked]) -> list[Asked]:
     """The pilots, each once, as a folder is named again for each code that its pilots need."""
-    named = {(one.kind, place.resolve() if (place := _place(one)) else None): one for one in pilots}
+    named = {(one.kind, one.place.resolve() if one.place else None): one for one in pilots}
     return list(named.values())
-
-
-def _place(pilot: Asked) -> Path | None:
-    """The folder or the file of a pilot; None of one that is a class."""
-    return Path(pilot.options["file"]) if "file" in pilot.options else pilot.folder
 
 
 def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], out: Path | None) -> Path:
@@ -137,9 +132,8 @@ def _plans_of(pilots: Sequence[Asked]) -> dict[str, Mapping[str, Any]]:
     found: list[tuple[str, str, str, Mapping[str, Any]]] = []  # name, that of what holds it, where, plan
     for pilot in pilots:
         if pilot.folder is None:
-            place = _place(pilot)
-            holder = place.resolve().parent.name if place else pilot.kind.partition(":")[0]
-            where = str(place or pilot.kind)
+            holder = pilot.place.resolve().parent.name if pilot.place else pilot.kind.partition(":")[0]
+            where = str(pilot.place or pilot.kind)
             found.append((pilot.name, holder, where, {"kind": pilot.kind, "options": pilot.options}))
             continue
         for folder in _stored_in(pilot.folder):

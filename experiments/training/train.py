@@ -8,6 +8,7 @@ from pathlib import Path
 from swamp_rl.experiments.artifacts.provenance import TENSORBOARD
 from swamp_rl.experiments.artifacts.stages import Stages
 from swamp_rl.experiments.config.learners import Training, check_logged, in_order, learner
+from swamp_rl.experiments.config.made import made_of
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.training.coverage import calm_warning, warning
@@ -222,9 +223,10 @@ def _fitted_on(training: Training) -> FittedOn | None:
 
 
 def _made(training: Training) -> Made | None:
-    learns, scene = learner(training.plan.kind), training.scene
-    if learns.made is not None:
-        return learns.made(training)
+    plan, scene = training.plan, training.scene
+    made = made_of(plan.kind, plan.options)
+    if made is not None or plan.kind == "stored":
+        return made
     return made_for(scene.boat, scene.course.name, scene.experiment.step)
 
 

@@ -16,9 +16,12 @@ from swamp_rl.extras import missing
 from swamp_rl.json_text import parsed_json
 from swamp_rl.own_code import refuse_unnamed
 from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.description import Made
 from swamp_rl.seal import sealed_file
 
 LEVERS = "levers"
+MADE = "made"
+"Key of the metadata: package, boat, course and step that the pilot was made for, as in `pilot.json`."
 LARGEST = 10**6  # numbers of all states of a boat
 MOST_MEMORY = 2**30  # bytes that all graphs of a process take
 FATAL = 4  # all else that onnxruntime has to say is in its exceptions
@@ -49,6 +52,8 @@ class OnnxPilot:
         if not isinstance(senses, list) or not all(isinstance(name, str) for name in senses):
             raise UserError(f"{path}: does not name its observations; export the pilot again")
         self.senses = tuple(senses)
+        self.made = _made(path, known.get(MADE))
+        "None in a file of an earlier version, or of a pilot that does not tell."
         refuse_unnamed(self.senses, f"{path}: the pilot observes")
         self.wants_first = FIRST_LEVERS in inputs
         "Whether the levers of whoever drives first are to be given."
@@ -86,6 +91,13 @@ class OnnxPilot:
             raise UserError(f"{self._path}: its states do not keep their shapes; export the pilot again")
         self._kept = kept
         return levers
+
+
+def _made(path: Path | str, text: str | None) -> Made | None:
+    try:
+        return None if text is None else Made.model_validate_json(text)
+    except ValueError as error:
+        raise UserError(f"{path}: does not name its boat and step; export the pilot again") from error
 
 
 def _next(state: str) -> str:

@@ -27,6 +27,11 @@ class Asked:
     kind: str = "stored"
     options: dict[str, Any] = field(default_factory=dict)
 
+    @property
+    def place(self) -> Path | None:
+        """Its folder or its file; None of a class and of a built-in pilot."""
+        return Path(self.options["file"]) if "file" in self.options else self.folder
+
 
 def asked_pilot(text: str) -> Asked:
     """What an argument asks for. The class of `module:Class` or `module:Class=FOLDER` is imported, and so is

@@ -170,9 +170,10 @@ def with_state_of(size: Any) -> Callable[[onnx.ModelProto], None]:
     return change
 
 
-def with_senses(text: str) -> Callable[[onnx.ModelProto], None]:
+def with_entry(key: str, text: str) -> Callable[[onnx.ModelProto], None]:
     def change(model: onnx.ModelProto) -> None:
-        next(entry for entry in model.metadata_props if entry.key == "senses").value = text
+        entries = {entry.key: entry.value for entry in model.metadata_props}
+        onnx.helper.set_model_props(model, entries | {key: text})
 
     return change
 
@@ -196,9 +197,10 @@ def without_numbers(model: onnx.ModelProto) -> None:
         (with_state_of(10**12), "is not an ONNX model"),
         (without_numbers, "does not compute two levers of each boat"),
         *(
-            (with_senses(text), "does not name its observations")
+            (with_entry("senses", text), "does not name its observations")
             for text in ("1", "{}", "[1]", "[null]", "x")
         ),
+        *((with_entry("made", text), "does not name its boat and step") for text in ("", "1", "{}", "x")),
     ],
 )
 def test_a_changed_model_is_refused_in_one_line_and_the_runtime_says_nothing(
