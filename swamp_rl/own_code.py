@@ -104,8 +104,9 @@ def is_named(name: str) -> bool:
     return name.partition(":")[0] in _modules
 
 
-def refuse_unnamed(names: Iterable[Any], what: str) -> None:
-    """UserError for the first of `names` that is code which the user has not named; what: who wants it."""
+def refuse_unnamed(names: Iterable[Any], what: str, holder: str = "FOLDER") -> None:
+    """UserError for the first of `names` that is code which the user has not named; what: who wants it;
+    holder: how an argument names what holds the pilot."""
     for name in names:
         if is_code(name) and not is_named(name):
-            raise UserError(f"{what} {name}, which is code; if it is yours, name it: {name}=FOLDER")
+            raise UserError(f"{what} {name}, which is code; if it is yours, name it: {name}={holder}")

@@ -54,7 +54,7 @@ class OnnxPilot:
         self.senses = tuple(senses)
         self.made = _made(path, known.get(MADE))
         "None in a file of an earlier version, or of a pilot that does not tell."
-        refuse_unnamed(self.senses, f"{path}: the pilot observes")
+        refuse_unnamed(self.senses, f"{path}: the pilot observes", "onnx:FILE")
         self.wants_first = FIRST_LEVERS in inputs
         "Whether the levers of whoever drives first are to be given."
         self.reset(0)

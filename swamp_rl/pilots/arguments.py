@@ -15,7 +15,7 @@ from swamp_rl.pilots.own import SHIPPED, OwnPilot, model_file, own_class, settin
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.store import BUILT_IN, DESCRIPTION, load_pilot, unknown_name
 
-CLASS = re.compile(r"(?P<kind>[A-Za-z_][\w.]*:[A-Za-z_]\w*)(=(?P<folder>.+))?")
+CLASS = re.compile(r"(?P<kind>[A-Za-z_][\w.]*:[A-Za-z_]\w*)(=(?P<pilot>.+))?")
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,9 @@ class Asked:
 
 
 def asked_pilot(text: str) -> Asked:
-    """What an argument asks for. The class of `module:Class` or `module:Class=FOLDER` is imported, and so is
-    the function of `module:function=FOLDER`, a term that the folder's pilots observe or are rewarded by.
+    """What an argument asks for. The class of `module:Class` or `module:Class=PILOT` is imported, and so is
+    the function of `module:function=PILOT`, a term that the pilots of that argument observe or are rewarded
+    by.
 
     A name is that of a folder, else of a built-in pilot, else of one that comes with the package. UserError
     for another name, and where code or a model's file is not there; a path of a folder is not looked for.
@@ -55,10 +56,10 @@ def asked_pilot(text: str) -> Asked:
         if text not in shipped and len(Path(text).parts) == 1:
             raise unknown_name(text)
         return Asked(Path(text).name, shipped.get(text, Path(text)))
-    if named["folder"] is not None:
+    if named["pilot"] is not None:
         if isinstance(own_code(named["kind"]), type):
             own_class(named["kind"])
-        return Asked(Path(named["folder"]).name, Path(named["folder"]))
+        return asked_pilot(named["pilot"])
     own_class(named["kind"])
     return Asked(named["kind"].partition(":")[2], kind=named["kind"])
 

@@ -23,9 +23,12 @@ from swamp_rl.experiments.studies.stored import evaluate_folders
 from swamp_rl import own_code
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import read_episodes
+from swamp_rl.export import write_onnx
 from swamp_rl.pilots import own
-from swamp_rl.pilots.arguments import Asked, opened
+from swamp_rl.pilots.arguments import Asked, asked_pilot, opened
+from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.store import load_pilot
+from tests.support.random_pilots import network
 from tests.support.tiny_experiment import write_tiny
 
 OWN = """
@@ -113,6 +116,17 @@ def test_ppo_learns_from_own_terms_and_its_stored_copy_drives_the_same_episodes(
     np.testing.assert_array_equal(
         read_episodes(again / "episodes.parquet")["ppo", "standard"]["return"], table["return"]
     )
+
+
+def test_an_exported_pilot_that_observes_an_own_term_is_opened_by_the_argument_that_its_refusal_tells(
+    place: Path,
+) -> None:
+    term, file, like = SENSES[-1], place / "pilot.onnx", network(np.random.default_rng(0))
+    write_onnx(NetworkPilot(like.kind, (*like.senses[:-1], term), like.weights(), 1, 0), file)
+    with pytest.raises(UserError, match=f"if it is yours, name it: {term}=onnx:FILE$"):
+        opened(asked_pilot(f"onnx:{file}"))
+    assert "their_terms" not in sys.modules
+    assert opened(asked_pilot(f"{term}=onnx:{file}")).senses[-1] == term
 
 
 @pytest.mark.slow
