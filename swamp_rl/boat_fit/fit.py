@@ -84,22 +84,28 @@ def soft_weights(weight: Array, boat: Boat) -> Array:
     return np.asarray(np.where(weight > 0, 1.0 / np.hypot(1.0 / np.maximum(weight, 1e-12), soft), 0.0))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # where numbers make the boat diverge
 def fit_windows(
     run_set: RunSet,
     weight: Array,
     seconds: float,
     hypothesis: FreeBoat,
-    x: Array,
+    starts: Sequence[Array],
     steps: int = STEPS,
-) -> tuple[Shooting, Fit]:
-    """The fit to windows of that length, from x (p,).
+) -> tuple[Shooting, Fit, float]:
+    """The fit to windows of that length, from the likeliest of starts (p,), its problem, and its chi2 in all
+    windows, the prior included: of a window in which the boat diverges (`sound_fit`), the chi2 of a motion
+    that stays where it begins.
 
     Its last Jacobian is taken at the solution: from a start file that is far off, steps along an earlier one
     end far from the optimum.
     """
-    problem = Shooting(run_set, weight, seconds)
-    x, states, _ = likeliest(problem, hypothesis, (x,))
-    return problem, fit(problem, hypothesis, x, states, steps, fresh=True)
+    whole = Shooting(run_set, weight, seconds)
+    x, states, _ = likeliest(whole, hypothesis, starts)
+    problem, made, kept = sound_fit(whole, hypothesis, x, states, steps, fresh=True)
+    measured = whole.windows.measured
+    still = losses(whole.residuals(np.broadcast_to(measured[:, :1], measured.shape)))
+    return problem, made, made.chi2 + float(still[~kept].sum())
 
 
 def likeliest(problem: Shooting, hypothesis: FreeBoat, starts: Sequence[Array]) -> tuple[Array, Array, Array]:
@@ -112,14 +118,12 @@ def likeliest(problem: Shooting, hypothesis: FreeBoat, starts: Sequence[Array]) 
     return min(begun, key=lambda one: one[0])[1:]
 
 
-@np.errstate(over="ignore", invalid="ignore")  # where numbers make the boat diverge
 def short_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> Fit:
     """The fit to windows of SHORT with SOFT noise, from x (p,) or the start file. weight: (R, T, 6) by the
     noise.
     """
-    problem = Shooting(run_set, soft_weights(weight, run_set.boat), SHORT)
-    x, states, _ = likeliest(problem, hypothesis, (x, hypothesis.prior()[0]))
-    return sound_fit(problem, hypothesis, x, states, STEPS, fresh=True)[1]
+    soft = soft_weights(weight, run_set.boat)
+    return fit_windows(run_set, soft, SHORT, hypothesis, (x, hypothesis.prior()[0]))[1]
 
 
 def sound_fit(

@@ -166,9 +166,8 @@ class _Trial:
         x = hypothesis.start()
         x[self.delay_column(boat)] += delay
         moved = advanced(replace(self.run_set, boat=boat), advance)
-        with np.errstate(over="ignore", invalid="ignore"):
-            _, made = fit_windows(moved, self.weight, SHORT, hypothesis, x, steps)
-        return made.chi2 if np.isfinite(made.chi2) else np.inf, made.x
+        _, made, chi2 = fit_windows(moved, self.weight, SHORT, hypothesis, (x,), steps)
+        return chi2 if np.isfinite(chi2) else np.inf, made.x
 
 
 def rewired(boat: Boat, changes: Sequence[Change]) -> Boat:

@@ -93,9 +93,9 @@ def test_the_search_for_the_wiring_fits_to_two_minutes_of_long_runs(
 ) -> None:
     fitted = list[float]()
 
-    def quick(run_set: RunSet, *given: object) -> tuple[None, SimpleNamespace]:
+    def quick(run_set: RunSet, *given: object) -> tuple[None, SimpleNamespace, float]:
         fitted.append(float(run_set.lengths.sum()) * run_set.dt)
-        return None, SimpleNamespace(chi2=1.0, x=given[3])
+        return None, SimpleNamespace(x=given[3][0]), 1.0
 
     monkeypatch.setattr(wiring, "fit_windows", quick)
     long = replace(
@@ -120,10 +120,10 @@ def test_an_exchange_of_equal_commands_takes_no_place_among_the_wirings_that_are
     glance = {(1, 1): 9000.0, (-1, 1): 8000.0, (1, -1): 1250.0, (-1, -1): 953.0}
     whole = glance | {(1, -1): 300.0, (-1, -1): 716.0}
 
-    def quick(run_set: RunSet, *given: Any) -> tuple[None, SimpleNamespace]:
+    def quick(run_set: RunSet, *given: Any) -> tuple[None, SimpleNamespace, float]:
         bow, stern = np.sign(parameters(run_set.boat)["azimuth_sign"][0]).astype(int)
         chi2 = (glance if given[4] == 1 else whole)[bow, stern]
-        return None, SimpleNamespace(chi2=chi2, x=given[3])
+        return None, SimpleNamespace(x=given[3][0]), chi2
 
     monkeypatch.setattr(wiring, "fit_windows", quick)
     found = search_wiring(runs, noise_levels(runs))

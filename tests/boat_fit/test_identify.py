@@ -8,7 +8,7 @@ import pytest
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted
-from swamp_rl.boat_fit.fit import fit_boat, fit_windows, likeliest, lost_freedom, sound_fit
+from swamp_rl.boat_fit.fit import fit_boat, fit_windows, likeliest, lost_freedom, soft_weights, sound_fit
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import identify_boat, numbers_of
 from swamp_rl.boat_fit.pieces import split
@@ -16,6 +16,7 @@ from swamp_rl.boat_fit.report import next_runs, not_better
 from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
+from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.errors import UserError
 from swamp_rl.simulator import parameters
@@ -146,8 +147,8 @@ def test_a_fit_ends_no_farther_from_the_runs_than_the_start_file_wherever_it_beg
     start, sd = hypothesis.prior()[0], hypothesis.prior()[1] ** -0.5
     low, high = hypothesis.bounds()
     far = np.clip(start + 2.0 * sd, low, high)
-    _, lost = fit_windows(runs, weight, 5.0, hypothesis, far, 1)
-    problem, own = fit_windows(runs, weight, 5.0, hypothesis, start, 1)
+    _, lost, _ = fit_windows(runs, weight, 5.0, hypothesis, (far,), 1)
+    problem, own, _ = fit_windows(runs, weight, 5.0, hypothesis, (start,), 1)
     x, states, _ = likeliest(problem, hypothesis, (far, start))
     kept = fit(problem, hypothesis, x, states, 1, fresh=True)
     assert kept.chi2 == pytest.approx(own.chi2)
@@ -159,7 +160,7 @@ def test_a_window_in_which_the_boat_diverges_does_not_end_the_fit(tmp_path: Path
     hypothesis = free_boat(runs.boat, free_numbers(runs.boat))
     weight = weights(runs, noise_levels(runs))
     x = hypothesis.start()
-    problem, begun = fit_windows(runs, weight, 5.0, hypothesis, x, 1)
+    problem, begun, _ = fit_windows(runs, weight, 5.0, hypothesis, (x,), 1)
     states, others = begun.states.copy(), np.arange(len(begun.states)) != 2
     states[2, 5] = 1e8  # rad/s
 
@@ -177,7 +178,7 @@ def test_where_a_boat_damps_too_fast_for_the_simulators_step_the_fit_takes_half_
     numbers = free_numbers(runs.boat)
     hypothesis = free_boat(runs.boat, numbers)
     weight, x = weights(runs, noise_levels(runs)), hypothesis.start()
-    problem, begun = fit_windows(runs, weight, 5.0, hypothesis, x, 1)
+    problem, begun, _ = fit_windows(runs, weight, 5.0, hypothesis, (x,), 1)
     record = parameters(runs.boat)[0]
     inertia = float(record["inertia_z"] - record["added_inertia_yaw"])
     damping = next(one for one in numbers if one.name == "effects.linear_yaw_damping.coefficient")
@@ -197,12 +198,44 @@ def test_where_a_boat_damps_too_fast_for_the_simulators_step_the_fit_takes_half_
     assert spent < 1.3 * alone  # the fit that diverges ends at its first Jacobian
 
 
+def test_a_fit_to_windows_goes_on_where_the_boats_a_difference_away_diverge(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=1, seconds=30.0)
+    numbers = free_numbers(runs.boat)
+    hypothesis, weight = free_boat(runs.boat, numbers), weights(runs, noise_levels(runs))
+    record, x = parameters(runs.boat)[0], hypothesis.start()
+    inertia = float(record["inertia_z"] - record["added_inertia_yaw"])
+    damping = next(one for one in numbers if one.name == "effects.linear_yaw_damping.coefficient")
+    x[numbers.index(damping)] = 2.4 * inertia / 0.05  # Runge and Kutta are unstable from 2.8 on
+    soft = soft_weights(weight, runs.boat)
+
+    _, made, chi2 = fit_windows(runs, soft, 5.0, hypothesis, (x,), 4)
+
+    _, _, others = fit_windows(runs, soft, 5.0, hypothesis, (hypothesis.start(),), 4)
+    assert chi2 < 2.0 * others
+    assert (made.x != x).any()
+
+
+def test_a_window_in_which_the_boat_diverges_counts_with_a_motion_that_stays_where_it_begins(
+    tmp_path: Path,
+) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=1, seconds=30.0)
+    hypothesis, weight = free_boat(runs.boat, free_numbers(runs.boat)), weights(runs, noise_levels(runs))
+    measured = runs.measured.copy()
+    measured[0, 60:100, 5] = 1e8  # rad/s
+    far = replace(runs, measured=measured)
+
+    _, made, chi2 = fit_windows(far, weight, 5.0, hypothesis, (hypothesis.start(),), 1)
+
+    assert len(made.states) < len(Shooting(far, weight, 5.0).windows.run)
+    assert np.isfinite(made.covariance).all()
+    assert made.chi2 < chi2 < np.inf
+
+
 def test_a_fit_whose_covariance_is_infinite_keeps_its_noise(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=1, seconds=30.0)
     hypothesis = free_boat(runs.boat, free_numbers(runs.boat))
-    problem, made = fit_windows(
-        runs, weights(runs, noise_levels(runs)), 5.0, hypothesis, hypothesis.start(), 1
-    )
+    weight = weights(runs, noise_levels(runs))
+    problem, made, _ = fit_windows(runs, weight, 5.0, hypothesis, (hypothesis.start(),), 1)
     known = lost_freedom(problem, made, 1.0)
     lost = replace(
         made, normal=replace(made.normal, information=np.full_like(made.normal.information, np.nan))
