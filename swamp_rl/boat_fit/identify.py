@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
+from swamp_rl.boat_fit.diverging import diverging
 from swamp_rl.boat_fit.fit import SHORT, BoatFit, long_fit, short_fit, window_length
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.pieces import Split, split
@@ -43,6 +44,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import new_files_beside, refuse_existing, yaml_text
 from swamp_rl.one_thread import one_thread
 from swamp_rl.runs.dataset import Dataset, as_on_disk, own_boat
+from swamp_rl.simulator import parameters
+from swamp_rl.simulator.divergence import DivergenceError
 
 Array = NDArray[np.float64]
 
@@ -97,7 +100,7 @@ def identify_boat(
     other = _read(holdout, start, boat, ignore) if holdout is not None else None
     data = split(run_set, other)
     with new_files_beside(out.with_suffix(REPORT), out) as (page, part):
-        made, others = _fitted_to_alike(data, positions, partial(_written, part, dataset, out.stem))
+        made, others = _fitted_to_alike(dataset, data, positions, partial(_written, part, dataset, out.stem))
         here = advanced(data.held_out, made.wiring.advance)
         alike = without(here, others.names)
         fit = made.fit
@@ -129,19 +132,26 @@ def identify_boat(
 
 
 def _fitted_to_alike(
-    data: Split, positions: bool, written: Callable[[Boat, list[Fitted], ThrustLevel], Boat]
+    dataset: Path, data: Split, positions: bool, written: Callable[[Boat, list[Fitted], ThrustLevel], Boat]
 ) -> tuple[_FittedFile, UnlikeRuns]:
     """The fit to the training runs that have the thrust of most runs, and the runs that have another.
 
     These are sought with the numbers of the search of the wiring, and again with those of each fit, until the
     runs left out are those found. The thrust of the last fit is brought to the mean of the runs fitted to.
-    written: the boat of the file with these numbers and this level of the thrust.
+    written: the boat of the file with these numbers and this level of the thrust. UserError where its motion
+    diverges.
     """
     begun = searched(data.training, positions)
     judged = len(data.training.lengths) + len(data.held_out.lengths) >= FEWEST
 
     def thrusts_of(numbers: list[Fitted]) -> list[RunThrust]:
-        return _thrusts(data, begun, written(begun.boat, numbers, ThrustLevel())) if judged else []
+        if not judged:
+            return []
+        try:
+            return _thrusts(data, begun, written(begun.boat, numbers, ThrustLevel()))
+        except DivergenceError as error:
+            LOG.info("thrust of each run not estimated: %s", error.what)
+            return []
 
     every = zip(free_numbers(begun.boat, positions), begun.x, strict=True)
     thrusts = thrusts_of([Fitted(one, float(x), one.sd) for one, x in every])
@@ -157,7 +167,11 @@ def _fitted_to_alike(
             break
     level = thrust_level([one for one in thrusts if one.name in rest.names])
     found = replace(unlike(at_level(thrusts, level)), fitted=rest.names)
-    return _FittedFile(wiring, made, numbers, level, written(wiring.boat, numbers, level)), found
+    try:
+        boat = written(wiring.boat, numbers, level)
+    except DivergenceError as error:
+        raise UserError(diverging(dataset, error.what, numbers, data.training)) from error
+    return _FittedFile(wiring, made, numbers, level, boat), found
 
 
 def _without(training: RunSet, found: UnlikeRuns) -> RunSet:
@@ -176,10 +190,22 @@ def _thrusts(data: Split, wiring: Wiring, boat: Boat) -> list[RunThrust]:
 def _written(
     part: Path, dataset: Path, name: str, boat: Boat, numbers: list[Fitted], level: ThrustLevel
 ) -> Boat:
-    """The boat of the file with these numbers and this level of the thrust, written to `part`."""
+    """The boat of the file with these numbers and this level of the thrust, written to `part`.
+
+    UserError that names the dataset where no boat has these numbers; DivergenceError where its motion
+    diverges.
+    """
     mapping = identified_mapping(boat, name, numbers, _label(dataset), level.mean)
     part.write_text(yaml_text(mapping), encoding="utf-8")
-    return _loaded(part, dataset)
+    try:
+        made = load_boat(part)
+    except UserError as error:
+        fault = str(error).splitlines()[0].removeprefix(f"{part}: ")
+        raise UserError(
+            f"{dataset}: the fitted numbers are of no boat: {fault}; check the start file"
+        ) from error
+    parameters(made)
+    return made
 
 
 def refuse_to_overwrite(out: Path) -> None:
@@ -193,17 +219,6 @@ def _read(folder: Path, boat: Boat, named: str | Path, ignore: Sequence[str]) ->
     run_set = read_run_set(folder, boat, named, ignore)
     refuse_inconsistent(run_set, str(folder))
     return run_set
-
-
-def _loaded(part: Path, dataset: Path) -> Boat:
-    """The written boat; UserError that names the dataset where its numbers are of no boat."""
-    try:
-        return load_boat(part)
-    except UserError as error:
-        fault = str(error).splitlines()[0].removeprefix(f"{part}: ")
-        raise UserError(
-            f"{dataset}: the fitted numbers are of no boat: {fault}; check the start file"
-        ) from error
 
 
 def _label(dataset: Path) -> str:

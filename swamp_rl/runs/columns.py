@@ -110,6 +110,12 @@ def command_columns(boat: Boat) -> list[str]:
     return [name for thruster in boat.thrusters for name in thruster.command_columns if name is not None]
 
 
+def command_limits(boat: Boat) -> dict[str, float]:
+    """The greatest size of each command of a boat's thrusters, infinite where an azimuth has no limits."""
+    spans = {name: span_of(name, boat) for name in command_columns(boat)}
+    return {name: max(-span.low, span.high) for name, span in spans.items() if span is not None}
+
+
 def missing_columns(columns: list[str], boat: Boat | None) -> list[str]:
     """Columns a run must have and does not: the required, and the rest of a half-recorded set of commands."""
     missing = [name for name in REQUIRED if name not in columns]

@@ -30,8 +30,17 @@ LOOK_AT = (
 )
 
 
+class DivergenceError(UserError):
+    """A boat whose simulated motion diverges; what: from which start, how and when; keys: of the file to
+    check."""
+
+    def __init__(self, name: str, what: str, keys: str) -> None:
+        super().__init__(f"boat {name}: {what}; check {keys}, and their units")
+        self.what = what
+
+
 def refuse_divergence(name: str, params: NDArray[Any], tank: Array) -> None:
-    """UserError unless a few steps of the boat `name` stay bounded and agree with finer steps.
+    """DivergenceError unless a few steps of the boat `name` stay bounded and agree with finer steps.
 
     params: (1,) parameter record, effects left out; tank: of `tank_table`. From rest and from a Froude number
     of 0.5 with drift and turn, under full thrust ahead, the port side's alone and hard over, and none. That a
@@ -60,10 +69,9 @@ def refuse_divergence(name: str, params: NDArray[Any], tank: Array) -> None:
         quickest = np.argmax(np.nan_to_num(np.abs(finest[run, 0] - start[run]) / scale, nan=np.inf))
         motion, keys = LOOK_AT[quickest]
         what = "diverges" if unbounded.any() else f"changes faster than steps of {SUBSTEP:g} s follow"
-        raise UserError(
-            f"boat {name}: simulated from {f'{speed:.3g} m/s' if run % 2 else 'rest'}, its motion {what} "
-            f"within {(step + 1) * SUBSTEP:.1f} s, {motion} first; check {keys}, and their units"
-        )
+        begun = f"{speed:.3g} m/s" if run % 2 else "rest"
+        when = f"within {(step + 1) * SUBSTEP:.1f} s, {motion} first"
+        raise DivergenceError(name, f"simulated from {begun}, its motion {what} {when}", keys)
     if passed is not None:
         with suppress(OSError):
             passed.touch()

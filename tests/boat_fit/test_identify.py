@@ -7,12 +7,21 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat_fit import identify
 from swamp_rl.boat_fit.boat_file import Fitted
-from swamp_rl.boat_fit.fit import fit_boat, fit_windows, likeliest, lost_freedom, soft_weights, sound_fit
+from swamp_rl.boat_fit.fit import (
+    fit_boat,
+    fit_windows,
+    likeliest,
+    lost_freedom,
+    soft_weights,
+    sound_fit,
+)
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import identify_boat, numbers_of
 from swamp_rl.boat_fit.pieces import split
 from swamp_rl.boat_fit.report import next_runs, not_better
+from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
@@ -289,3 +298,27 @@ def test_bad_input_is_refused_with_one_line_and_nothing_written(call: Call, tmp_
     assert sorted(path.name for path in tmp_path.iterdir()) == before
     with pytest.raises(UserError, match="no such file"):
         identify_boat("runs", "none.yaml", "new.yaml")
+
+
+def test_fitted_numbers_whose_boat_diverges_are_named_with_what_the_commands_reach(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    truth = hidden(tmp_path, HIDDEN)
+    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, low=0.0, high=0.5)
+    unstable = {"hull.n_r": 60.0, "hull.n_v": 40.0}  # standard deviations from the start file
+    numbers = free_numbers(load_boat(tmp_path / "twin.yaml"))
+    far = [Fitted(one, one.mean + unstable.get(one.name, 0.0) * one.sd, one.sd) for one in numbers]
+    wired = Wiring(load_boat(tmp_path / "twin.yaml"), (), 0.0, np.zeros(len(numbers)))
+
+    monkeypatch.setattr(identify, "searched", lambda *given: wired)
+    monkeypatch.setattr(identify, "short_fitted", lambda *given: (wired, far, False))
+    monkeypatch.setattr(identify, "fitted_boat", lambda *given: None)
+    monkeypatch.setattr(identify, "numbers_of", lambda made: far)
+    with pytest.raises(UserError) as refused:
+        identify_boat(tmp_path / "runs", tmp_path / "twin.yaml", tmp_path / "new.yaml")
+
+    (line,) = str(refused.value).splitlines()
+    assert line.startswith(f"{tmp_path / 'runs'}: the fitted numbers are of no boat: simulated from")
+    assert "its motion diverges" in line and "farthest from the start file: hull.n_r" in line
+    assert "the runs reach of the limits of commands: throttle_port 0.4" in line
+    assert not list(tmp_path.glob("new*"))

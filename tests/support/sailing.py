@@ -18,15 +18,17 @@ NOISE = np.array([0.03, 0.03, 0.01, 0.03, 0.03, 0.02])
 
 
 def steps_of_thrust(
-    boat: Boat, rows: int, rng: np.random.Generator, low: float, longest: float
+    boat: Boat, rows: int, rng: np.random.Generator, low: float, longest: float, high: float = 1.0
 ) -> NDArray[np.float64]:
-    """(rows, 2K) commands that step at random, throttles from `low` on, each for `longest` [s] at most."""
+    """(rows, 2K) commands that step at random, throttles from `low` to `high`, each for `longest` [s] at
+    most.
+    """
     commands = np.zeros((rows, 2 * len(boat.thrusters)))
     for k in range(len(boat.thrusters)):
         row = 0
         while row < rows:
             held = max(1, int(rng.uniform(0.1, 1.0) * longest / RATE))
-            commands[row : row + held, len(boat.thrusters) + k] = rng.uniform(low, 1.0)
+            commands[row : row + held, len(boat.thrusters) + k] = rng.uniform(low, high)
             row += held
     return commands
 
@@ -41,6 +43,7 @@ def sailed_dataset(
     low: float = -1.0,
     idle: Collection[str] = (),
     noise: float = 1.0,
+    high: float = 1.0,
 ) -> Path:
     """A dataset of runs that `truth` sailed, which names the file `start` as its boat; idle: thrusters that
     are not commanded; noise: of the sensors, over NOISE.
@@ -54,7 +57,7 @@ def sailed_dataset(
     }
     create_dataset(folder, DatasetMeta(vehicle=str(start), sample_rate=1.0 / RATE, source="scripted", **meta))
     for number in range(count):
-        commands = steps_of_thrust(truth, rows, rng, low, 8.0)
+        commands = steps_of_thrust(truth, rows, rng, low, 8.0, high)
         commands[:, [len(truth.thrusters) + truth.thruster_names.index(name) for name in idle]] = 0.0
         record = parameters(truth)
         begin = initial_state(record, np.zeros((1, 3)))
