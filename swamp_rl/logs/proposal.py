@@ -1,13 +1,15 @@
 """A mapping that the names of a table's columns suggest, for a person to check."""
 
+import math
 import re
+import shlex
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from swamp_rl.boat import Boat
 from swamp_rl.logs.log import Log
-from swamp_rl.runs.columns import command_columns
-from swamp_rl.runs.import_foreign import option_of
+from swamp_rl.runs.columns import command_columns, command_limits
+from swamp_rl.runs.import_foreign import in_expression
 
 WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+|%|°")
 UNITS = {
@@ -41,6 +43,7 @@ SAME = {
     "azimuth": "steering",
 }
 """Other words for a word."""
+PERCENT = "percent"
 SOURCES = "ahrs baro data ekf est estimated fix fused gnss gps imu ins meas measured nav raw ros usv"
 """Words for where a quantity is from, which are left out."""
 NAMES = {
@@ -74,10 +77,16 @@ UNIT_OF, WORD_OF = (
 
 @dataclass(frozen=True)
 class Suggestion:
-    """A column that may be a quantity, named as in an expression, and its unit, empty where none is named."""
+    """A column that may be a quantity, named as in an expression, and its unit, empty where none is named;
+    formula: of the column `{}`, where a unit alone does not give the quantity."""
 
     column: str
     unit: str
+    formula: str = "{}"
+
+    def of_limit(self, most: float) -> "Suggestion":
+        """This one as a percentage of a command's limit [rad or rps]."""
+        return replace(self, unit="", formula=f"{{}}/100*{most:.9g}")
 
 
 def proposal(log: Log, boat: Boat) -> list[str]:
@@ -131,13 +140,27 @@ def _times(fitting: Sequence[Suggestion]) -> dict[str, Suggestion]:
 
 def _commands(there: Iterable[tuple[Suggestion, frozenset[str]]], boat: Boat) -> dict[str, Suggestion]:
     """Columns that have words of the name of one command alone, the first of which is its kind."""
-    commands = {name: _set_of(name.replace("_", " ")) for name in command_columns(boat)}
-    found: dict[str, Suggestion] = {}
+    limits, found = command_limits(boat), dict[str, Suggestion]()
     for one, words in there:
-        fitting = [name for name, own in commands.items() if words <= own and name.split("_")[0] in words]
-        if len(fitting) == 1:
-            found.setdefault(fitting[0], one)
+        percent = one.unit == PERCENT
+        fitting = [name for name in limits if _is_named(name, words, percent)]
+        if len(fitting) != 1:
+            continue
+        (name,) = fitting
+        if percent and not name.startswith("throttle_"):
+            one = one.of_limit(limits[name])
+        if not (percent and math.isinf(limits[name])):
+            found.setdefault(name, one)
     return found
+
+
+def _is_named(command: str, words: frozenset[str], percent: bool) -> bool:
+    """Whether words of a column's name are of a command, and one of them is its kind; revolutions in percent
+    are also named throttle."""
+    kinds = {command.split("_")[0]} | (
+        {"throttle"} if percent and command.startswith("propeller_") else set()
+    )
+    return bool(kinds & words) and words <= _set_of(command.replace("_", " ")) | kinds
 
 
 def _words_of(column: str) -> tuple[frozenset[str], str]:
@@ -156,6 +179,6 @@ def _set_of(words: str) -> frozenset[str]:
 
 def _options(suggested: dict[str, Suggestion]) -> Iterator[str]:
     for name, one in suggested.items():
-        yield option_of(f"--map {name}=", one.column)
+        yield f"--map {shlex.quote(f'{name}={one.formula.format(in_expression(one.column))}')}"
         if one.unit and name not in POSITIONS[0] and (one.unit in OF_TIME) == name.endswith("time"):
             yield f"--unit {name}={one.unit}"

@@ -298,9 +298,12 @@ def option_of(words: str, column: str | None) -> str:
     """An option of `runs import` that ends in a column's name, as a shell and `--map` take it."""
     name = str(column)
     option, space, begin = words.partition(" ")
-    if begin and not re.fullmatch(r"[^\W\d][\w.]*", name):
-        name = f"`{name}`"
-    return f"{option}{space}{shlex.quote(begin + name)}"
+    return f"{option}{space}{shlex.quote(begin + (in_expression(name) if begin else name))}"
+
+
+def in_expression(name: str) -> str:
+    """A column's name as an expression takes it."""
+    return name if re.fullmatch(r"[^\W\d][\w.]*", name) else f"`{name}`"
 
 
 def _place(

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from swamp_rl.experiments.cli import app as cli
 
-from swamp_rl.boat import load_boat
+from swamp_rl.boat import PropellerRudder, load_boat
 from swamp_rl.logs.log import Log, LogTable
 from swamp_rl.logs.proposal import proposal
 from swamp_rl.runs import read_dataset
@@ -72,6 +72,27 @@ def test_the_import_that_names_suggest_is_that_of_what_was_logged(call: Call, tm
     (run,) = read_dataset(tmp_path / "out").runs
     for name in ("time", "north", "east", "heading", "throttle_port", "throttle_starboard"):
         np.testing.assert_allclose(run.columns[name], was[name], atol=1e-9, err_msg=name)
+
+
+def test_percentages_of_a_propeller_and_its_rudder_are_of_the_limits(call: Call, tmp_path: Path) -> None:
+    boat, was = load_boat("esso_osaka"), weaving()
+    columns = {
+        "t": was["time"],
+        "north": was["north"],
+        "east": was["east"],
+        "heading_deg": np.degrees(was["heading"]),
+        "throttle_pct": 100.0 * was["throttle_port"],
+        "rudder %": 100.0 * np.sin(was["time"]),
+    }
+    log = csv_of(tmp_path / "log.csv", {k: [repr(float(x)) for x in v] for k, v in columns.items()})
+    *_, line = call(log, "--list", "--boat", "esso_osaka").splitlines()
+    call(log, "--boat", "esso_osaka", "--out", "out", *shlex.split(line.partition(": ")[2]))
+    (run,) = read_dataset(tmp_path / "out").runs
+    (main,) = boat.thrusters
+    assert isinstance(main, PropellerRudder)
+    revolutions, angle = main.throttle_max * was["throttle_port"], main.rudder_max * np.sin(was["time"])
+    np.testing.assert_allclose(run.columns["propeller_main"], revolutions)
+    np.testing.assert_allclose(run.columns["rudder_main"], angle, atol=1e-9)
 
 
 def test_columns_of_several_tables_are_named_with_their_table() -> None:
