@@ -1,4 +1,4 @@
-"""The one exception whose message is meant for the person at the keyboard."""
+"""The exception whose message is meant for the person at the keyboard, and one kind of it."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,10 +20,15 @@ class UserError(Exception):
         super().__init__("\n".join(clipped(line, LONGEST) for line in message.split("\n")))
 
 
+class SettingsError(UserError):
+    """Settings with which a training cannot succeed: what it has computed so far is of no use."""
+
+
 @contextmanager
 def errors_at(where: Path | str) -> Iterator[None]:
     """Put `where`, a file and its key, before each line of a UserError that the block raises."""
     try:
         yield
     except UserError as error:
-        raise UserError("\n".join(f"{where}: {line}" for line in str(error).split("\n"))) from error
+        lines = "\n".join(f"{where}: {line}" for line in str(error).split("\n"))
+        raise type(error)(lines) from error

@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from swamp_rl.boat import Boat
+from swamp_rl.errors import errors_at
 from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Log, Tick
@@ -85,6 +86,11 @@ class DaggerSettings(Settings):
         if expert.boat_length != STEADY.boat_length:
             raise ValueError("boat_length: is that of the boat; leave it out")
         return expert
+
+    def check_runs(self, runs: Sequence[Run]) -> None:
+        """Raise SettingsError as the learner's."""
+        with errors_at("learner"):
+            self.learner.check_runs(runs)
 
 
 @one_thread(torch=True)
@@ -186,12 +192,13 @@ def fit(
     """
     learner = settings.learner.model_copy(update={"seed": settings.seed})
     pilot: ReservoirPilot | NetworkPilot | GRUPilot
-    if isinstance(learner, ReservoirLearner):
-        pilot = fit_reservoir(runs, learner)
-    elif isinstance(learner, GRULearner):
-        pilot = fit_gru(runs, learner, checkpoint=checkpoint)
-    else:
-        pilot = fit_cloning(runs, learner, checkpoint=checkpoint)
+    with errors_at("learner"):
+        if isinstance(learner, ReservoirLearner):
+            pilot = fit_reservoir(runs, learner)
+        elif isinstance(learner, GRULearner):
+            pilot = fit_gru(runs, learner, checkpoint=checkpoint)
+        else:
+            pilot = fit_cloning(runs, learner, checkpoint=checkpoint)
     weights = {name: np.ascontiguousarray(value) for name, value in pilot.weights().items()}
     return pilot.build(pilot.settings(), weights)
 

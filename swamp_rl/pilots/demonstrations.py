@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from swamp_rl.counted import counted
-from swamp_rl.errors import UserError
+from swamp_rl.errors import SettingsError, UserError
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.runs import Run
 
@@ -79,27 +79,46 @@ def refuse_unlogged(senses: Sequence[str], columns: Sequence[str] = ()) -> None:
 
 
 def examples(
-    runs: Sequence[Run], senses: Sequence[str], reaction: float = 0.0
+    runs: Sequence[Run], senses: Sequence[str], reaction: float = 0.0, washout: int = 0
 ) -> tuple[list[Array], list[Array], list[Array]]:
-    """Return for each run the observations (T, d), the levers (T, 2) `reaction` [s] later and whether these
-    are demonstrations (T,).
+    """Return for each run the observations (T, d), the levers (T, 2) `reaction` [s] later and which rows of
+    these are learned from (T,).
 
-    UserError where a run lacks a column or is shorter than the reaction, or no row is a demonstration.
+    UserError where a run lacks a column, and as for `rows_to_learn`.
     """
-    observations, levers, demonstrated = [], [], []
+    learned = rows_to_learn(runs, reaction, washout)
+    observations = [observed(run, senses)[: len(rows)] for run, rows in zip(runs, learned, strict=True)]
+    levers = [run.joypad[-len(rows) :] for run, rows in zip(runs, learned, strict=True)]
+    return observations, levers, learned
+
+
+def rows_to_learn(runs: Sequence[Run], reaction: float = 0.0, washout: int = 0) -> list[Array]:
+    """Return for each run which of its first T rows are learned from (T,): those after the first `washout`
+    that have a demonstration `reaction` [s] later, as all T have a row then.
+
+    SettingsError where a run is shorter than the reaction, or no row is left.
+    """
+    learned = []
     for run in runs:
         late = round(reaction * (len(run.time) - 1) / run.duration) if reaction > 0.0 else 0
-        rows = len(run.time) - late
-        if rows < 1:
-            raise UserError(f"{run.name}: lasts {run.duration:g} s, less than the reaction of {reaction:g} s")
-        observations.append(observed(run, senses)[:rows])
-        levers.append(run.joypad[late:])
-        demonstrated.append(is_demonstration(run)[late:])
-    if not any(rows.any() for rows in demonstrated):
-        raise UserError(
+        if late >= len(run.time):
+            raise SettingsError(
+                f"{run.name}: lasts {run.duration:g} s, less than the reaction of {reaction:g} s; lower "
+                "reaction, or learn from longer runs"
+            )
+        learned.append(is_demonstration(run)[late:])
+    if not any(rows.any() for rows in learned):
+        raise SettingsError(
             f"none of {counted(len(runs), 'run')} has a row that a person drove; record some by hand"
         )
-    return observations, levers, demonstrated
+    longest = max(len(rows) for rows in learned)
+    learned = [rows & (np.arange(len(rows)) >= washout) for rows in learned]
+    if not any(rows.any() for rows in learned):
+        raise SettingsError(
+            f"washout: {washout} leaves no row to learn from, the longest of {counted(len(runs), 'run')} has "
+            f"{longest}; lower washout"
+        )
+    return learned
 
 
 def is_demonstration(run: Run) -> Array:

@@ -16,8 +16,9 @@ from pydantic import Field
 from swamp_rl.errors import UserError
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Log, Tick
-from swamp_rl.pilots.checkpoint import load_checkpoint, readable, save_checkpoint
+from swamp_rl.pilots.checkpoint import load_checkpoint, module_state, readable, save_checkpoint
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
+from swamp_rl.pilots.divergence import refuse_diverged
 from swamp_rl.pilots.settings import Count, Layers, Many, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
 
@@ -100,7 +101,7 @@ def drive_leg(
     """Train for `decisions` actions of all boats; return success, return and number of the episodes ended.
 
     Episodes and random numbers depend on the seed and the number of the leg alone. tick: called with the
-    share done.
+    share done. SettingsError where the training diverges.
     """
     from stable_baselines3.common.callbacks import ConvertCallback
     from stable_baselines3.common.logger import Logger
@@ -114,8 +115,20 @@ def drive_leg(
         return True
 
     learner.set_logger(Logger(None, []))  # its own makes a folder in the temporary directory
-    learner.learn(decisions, ConvertCallback(record), reset_num_timesteps=False)
+    try:
+        learner.learn(decisions, ConvertCallback(record), reset_num_timesteps=False)
+    except (UserError, ValueError):  # boats and distributions of torch refuse what is no number
+        _refuse_diverged(learner)
+        raise
+    _refuse_diverged(learner)
     return tally.means()
+
+
+def _refuse_diverged(learner: Any) -> None:
+    refuse_diverged(
+        module_state("policy", learner.policy).values(),
+        "lower learning_rate, or the weights of the reward",
+    )
 
 
 def _begin_leg(learner: Any, seed: int, leg: int) -> None:

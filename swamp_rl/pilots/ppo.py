@@ -27,7 +27,7 @@ from swamp_rl.pilots.legs import (
 from swamp_rl.pilots.network import REACH, NetworkPilot, layers_of
 from swamp_rl.pilots.pilot import Pilot
 from swamp_rl.pilots.ppo_warm import freeze_policy, warm_start
-from swamp_rl.pilots.settings import Count, Many, Positive
+from swamp_rl.pilots.settings import Count, Many, NotNegative, Positive
 
 
 class PPOSettings(ReinforcementSettings):
@@ -39,7 +39,7 @@ class PPOSettings(ReinforcementSettings):
 
     memory: Annotated[int, Field(ge=0, le=20)] = 0
     "Number of earlier observations and actions that are part of the observation."
-    caution: Annotated[float, Field(ge=0)] = 0.0
+    caution: NotNegative = 0.0
     """Penalty for touching a buoy or leaving the bounds, in addition to the environment's. Without it the
     policy trades a higher risk of failure for a shorter time."""
     boats: Many = 128

@@ -6,6 +6,7 @@ from typing import Self
 
 import numpy as np
 
+from swamp_rl.errors import SettingsError
 from swamp_rl.pilots.arrays import Array
 
 
@@ -51,12 +52,18 @@ def ridge_readouts(moments: Moments, ridges: Iterable[float]) -> list[Array]:
 
 
 def ridge_readout(moments: Moments, ridge: float) -> Array:
-    """Return the readout (u + 1, 2) of one ridge, by Cholesky: faster than `ridge_readouts` for one ridge."""
-    from scipy.linalg import solve
+    """Return the readout (u + 1, 2) of one ridge, by Cholesky: faster than `ridge_readouts` for one ridge.
+
+    SettingsError where the ridge is so small that the equations are singular.
+    """
+    from scipy.linalg import LinAlgError, solve
 
     mean_x, mean_y, gram, cross = _about_means(moments)
     gram[np.diag_indices_from(gram)] += ridge
-    weights = solve(gram, cross, assume_a="pos")
+    try:
+        weights = solve(gram, cross, assume_a="pos")
+    except LinAlgError as error:
+        raise SettingsError(f"ridge: {ridge:g} leaves the regression singular; raise ridge") from error
     return np.vstack([weights, mean_y - mean_x @ weights])
 
 

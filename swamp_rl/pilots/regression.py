@@ -2,7 +2,7 @@
 
 import hashlib
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,10 +20,14 @@ from swamp_rl.pilots.checkpoint import (
     readable,
     save_checkpoint,
 )
+from swamp_rl.pilots.demonstrations import rows_to_learn
+from swamp_rl.pilots.divergence import refuse_diverged
 from swamp_rl.pilots.settings import Count, NotNegative, Positive, Seconds, Seed, Settings
+from swamp_rl.runs import Run
 
 Losses = Callable[[Any], Iterable[Any]]
 """The losses of an epoch's batches, one at a time, from the torch Generator of the epoch."""
+REMEDY = "lower learning_rate or weight_decay"
 
 
 class RegressionSettings(Settings):
@@ -40,6 +44,10 @@ class RegressionSettings(Settings):
     "Standard deviation of the noise on the scaled observations, new each epoch, to reduce overfitting."
     seed: Seed = 0
 
+    def check_runs(self, runs: Sequence[Run]) -> None:
+        """Raise SettingsError as `rows_to_learn`."""
+        rows_to_learn(runs, self.reaction)
+
 
 def train_by_epochs(
     network: Any,
@@ -55,6 +63,7 @@ def train_by_epochs(
 
     checkpoint: a file written after each epoch and resumed from if it is of the same `task` (from `task_of`);
     that of another task is overwritten. Random numbers of an epoch depend on the seed and the epoch alone.
+    SettingsError where the training diverges.
     """
     import torch
 
@@ -74,6 +83,7 @@ def train_by_epochs(
             optimiser.step()
             batch_losses.append(float(loss.detach()))
         means.append(float(np.mean(batch_losses)))
+        refuse_diverged([means[-1], *module_state("network", network).values()], REMEDY)
         if checkpoint is not None:
             arrays = module_state("network", network) | optimiser_state("optimiser", optimiser)
             save_checkpoint(checkpoint, {"task": task, "losses": means}, arrays)

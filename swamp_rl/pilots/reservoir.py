@@ -13,9 +13,11 @@ import numpy as np
 from pydantic import Field
 from scipy.sparse import csr_array
 
+from swamp_rl.errors import SettingsError
 from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, times
-from swamp_rl.pilots.demonstrations import POSE, examples
+from swamp_rl.pilots.demonstrations import POSE, examples, rows_to_learn
+from swamp_rl.pilots.divergence import refuse_diverged
 from swamp_rl.pilots.readout import Moments, RecursiveReadout, ridge_readout, variance_matched
 from swamp_rl.pilots.settings import (
     IN_ORDER,
@@ -31,13 +33,15 @@ from swamp_rl.runs import Run
 
 POSITION = ("north", "east")
 ANGLES = ("cos_heading", "sin_heading", "gate_cos", "gate_sin")
+Units = Annotated[Width, Field(ge=3)]
+"Three or more: SciPy computes no eigenvalue of a smaller sparse matrix."
 
 
 class ReservoirSettings(Settings):
     """The defaults were chosen on episodes of seeds from 1,000,000 on, which no experiment evaluates."""
 
     senses: tuple[str, ...] = POSE
-    units: Width = 200
+    units: Units = 200
     spectral_radius: NotNegative = 0.5
     leak: Annotated[tuple[Share, Share], IN_ORDER] = (0.05, 1.0)
     "Range of the units' leak rates, log-uniform: memories from one step to some seconds."
@@ -62,6 +66,10 @@ class ReservoirSettings(Settings):
     """Whether each lever's mean square is matched to the demonstrations' (`readout.variance_matched`). Where
     drivers push the lever from end to end, the ridge readout alone steers too little."""
     seed: Seed = 0
+
+    def check_runs(self, runs: Sequence[Run]) -> None:
+        """Raise SettingsError as `rows_to_learn`."""
+        rows_to_learn(runs, self.reaction, self.washout)
 
 
 class ReservoirPilot:
@@ -138,7 +146,10 @@ _NAMES = ("centre", "scale", "W", "Win", "bias", "leak", "Wout", "out")
 
 @one_thread()
 def fit_reservoir(runs: Sequence[Run], settings: ReservoirSettings | None = None) -> ReservoirPilot:
-    """Return a pilot with a readout fitted by ridge regression to `runs`; UserError for a missing column."""
+    """Return a pilot with a readout fitted by ridge regression to `runs`.
+
+    UserError for a missing column, SettingsError where no row is left or the regression has no solution.
+    """
     settings = settings or ReservoirSettings()
     matrices, states, levers = states_of(runs, settings)
     moments = Moments.of(states, levers)
@@ -149,6 +160,7 @@ def fit_reservoir(runs: Sequence[Run], settings: ReservoirSettings | None = None
         for row in zip(np.concatenate(states), np.concatenate(levers), strict=True):
             online.learn(*row)
         readout = online.readout
+        refuse_diverged([readout], "raise forgetting or ridge")
     if settings.matched:
         readout = variance_matched(readout, moments)
     return ReservoirPilot(settings.senses, {**matrices, "Wout": readout[:-1], "out": readout[-1]})
@@ -161,13 +173,12 @@ def states_of(
 
     These are the rows after the washout whose levers are demonstrations.
     """
-    observations, levers, demonstrated = examples(runs, settings.senses, settings.reaction)
+    observations, levers, rows = examples(runs, settings.senses, settings.reaction, settings.washout)
     centre, scale = _scaling(observations, settings.senses)
     rng = np.random.default_rng(settings.seed)
     matrices = _matrices(reservoir_node(settings, rng))
     inputs = [(observation - centre) / scale for observation in observations]
     inputs = [x + settings.noise * rng.standard_normal(x.shape) for x in inputs]
-    rows = [rows & (np.arange(len(rows)) >= settings.washout) for rows in demonstrated]
     states = [x[kept] for x, kept in zip(states_along(matrices, inputs), rows, strict=True)]
     levers = [y[kept] for y, kept in zip(levers, rows, strict=True)]
     return {"centre": centre, "scale": scale, **matrices}, states, levers
@@ -206,8 +217,12 @@ def untrained_reservoir(
 
 
 def reservoir_node(settings: ReservoirSettings, rng: np.random.Generator) -> Any:
-    """Draw a reservoirpy Reservoir: every unit receives all inputs; leak rates are log-uniform."""
+    """Draw a reservoirpy Reservoir: every unit receives all inputs; leak rates are log-uniform.
+
+    SettingsError where no unit is connected to another.
+    """
     import reservoirpy
+    from scipy.sparse.linalg import ArpackError
 
     _remove_cache(reservoirpy)
     low, high = np.log(np.maximum(settings.leak, 1e-6))
@@ -226,7 +241,13 @@ def reservoir_node(settings: ReservoirSettings, rng: np.random.Generator) -> Any
         input_dim=len(settings.senses),
         seed=rng,
     )
-    reservoir.initialize(np.zeros((1, len(settings.senses))))
+    try:
+        reservoir.initialize(np.zeros((1, len(settings.senses))))
+    except ArpackError as error:
+        raise SettingsError(
+            f"connectivity: {settings.connectivity:g} connects too few of {settings.units} units; raise "
+            "connectivity"
+        ) from error
     return reservoir
 
 

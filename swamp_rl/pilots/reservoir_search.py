@@ -11,13 +11,14 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from swamp_rl.errors import UserError
+from swamp_rl.errors import SettingsError
 from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.callbacks import Tick
+from swamp_rl.pilots.demonstrations import rows_to_learn
 from swamp_rl.pilots.readout import Moments, ridge_readouts, squared_error
-from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, fit_reservoir, states_of
-from swamp_rl.pilots.settings import NotNegative, Positive, Seed, Settings, Share, Width
+from swamp_rl.pilots.reservoir import ReservoirPilot, ReservoirSettings, Units, fit_reservoir, states_of
+from swamp_rl.pilots.settings import NotNegative, Positive, Seed, Settings, Share
 from swamp_rl.runs import Run
 
 Some = Field(min_length=1)
@@ -33,7 +34,7 @@ class SearchedReservoirSettings(Settings):
     """The grid: the product of the lists below; all other settings as in `reservoir`."""
 
     reservoir: Unsearched = Unsearched()
-    units: Annotated[tuple[Width, ...], Some] = (100, 200, 400)
+    units: Annotated[tuple[Units, ...], Some] = (100, 200, 400)
     spectral_radius: Annotated[tuple[NotNegative, ...], Some] = (0.2, 0.5, 0.9)
     lowest_leak: Annotated[tuple[Share, ...], Some] = (0.05, 0.2)
     ridge: Annotated[tuple[Positive, ...], Some] = (0.3, 1.0, 3.0, 10.0, 30.0)
@@ -53,6 +54,20 @@ class SearchedReservoirSettings(Settings):
         if reservoir.seed != 0:
             raise ValueError("seed: give it beside reservoir, not in it")
         return reservoir
+
+    def check_count(self, count: int) -> None:
+        """Raise SettingsError for fewer runs than folds."""
+        if count < self.folds:
+            raise SettingsError(
+                f"folds: {self.folds} folds need as many runs, not {count}; lower folds, or record more runs"
+            )
+
+    def check_runs(self, runs: Sequence[Run]) -> None:
+        """Raise SettingsError as `rows_to_learn`, and where a fold has no row or is none."""
+        self.check_count(len(runs))
+        learned = rows_to_learn(runs, self.reservoir.reaction, self.reservoir.washout)
+        if not all(any(rows.any() for rows in learned[k :: self.folds]) for k in range(self.folds)):
+            raise SettingsError("folds: one has no row to learn from; lower folds or reservoir.washout")
 
 
 @dataclass(frozen=True)
@@ -82,13 +97,10 @@ def scores(
     """Return the grid sorted by error, smallest first; `tick` is called with the share done.
 
     Each reservoir passes over all runs once; one Gram matrix for each fold serves all ridges.
-    UserError where a run lacks a column, or there are fewer runs than folds.
+    UserError where a run lacks a column, and as for `SearchedReservoirSettings.check_runs`.
     """
     settings = settings or SearchedReservoirSettings()
-    if len(runs) < settings.folds:
-        raise UserError(
-            f"folds: {len(runs)} runs do not make {settings.folds}; ask for fewer, or record more"
-        )
+    settings.check_runs(runs)
     grid = list(product(settings.units, settings.spectral_radius, settings.lowest_leak))
     found = []
     for number, (units, radius, leak) in enumerate(grid):

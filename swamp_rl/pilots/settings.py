@@ -1,11 +1,16 @@
 """Settings of pilots: strict models that refuse unknown keys."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
-Positive = Annotated[float, Field(gt=0.0)]
-NotNegative = Annotated[float, Field(ge=0.0)]
+from swamp_rl.runs import Run
+
+LARGEST = 1e15
+"Its square is finite in single precision."
+Positive = Annotated[float, Field(gt=0.0, le=LARGEST)]
+NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
 Seconds = Annotated[float, Field(ge=0.0, le=60.0)]
 "Of a reaction."
@@ -33,3 +38,10 @@ class Settings(BaseModel):
     """Base of every pilot's settings: frozen, with unknown keys and infinite numbers refused."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, use_attribute_docstrings=True)
+
+    def check_count(self, count: int) -> None:
+        """Raise SettingsError where a training needs more than `count` runs."""
+
+    def check_runs(self, runs: Sequence[Run]) -> None:
+        """Raise SettingsError where these runs do not suffice for a training, before any work."""
+        self.check_count(len(runs))

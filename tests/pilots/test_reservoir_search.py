@@ -58,7 +58,7 @@ def test_every_combination_is_scored_and_the_least_error_is_learned_from_all_run
 
 
 def test_fewer_runs_than_folds_are_refused() -> None:
-    with pytest.raises(UserError, match="3 runs do not make 4"):
+    with pytest.raises(UserError, match="4 folds need as many runs, not 3"):
         scores(RUNS[:3], FEW)
 
 
