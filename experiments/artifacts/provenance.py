@@ -19,11 +19,17 @@ from swamp_rl.pilots.own import SHIPPED, model_file, own_class, settings_of
 
 RESULTS, TRAINED = "results.json", "training.json"
 """Marks of a whole result and of one whose pilots are trained but not evaluated."""
-CONFIG, EXPERIMENT = "config", "experiment.yaml"
+CONFIG, EXPERIMENT, VERSIONS = "config", "experiment.yaml", "versions.json"
 WORK = ".work"
 """Folders of what is needed only until the result is whole."""
 TENSORBOARD = "tensorboard"
 """The folder of event files in a folder of results, by pilot."""
+
+
+def checkpoints(pilots: Path, name: str) -> tuple[Path, Path]:
+    """The files from which a pilot's training goes on, in the folder of pilots: its own, and that of the
+    learner in DAgger's rounds."""
+    return pilots / f".checkpoint-{name}", pilots / f".checkpoint-{name}-round"
 
 
 def description(scene: Scene) -> dict[str, bytes]:
@@ -32,7 +38,7 @@ def description(scene: Scene) -> dict[str, bytes]:
     files = {f"{CONFIG}/{EXPERIMENT}": written.encode()}
     files |= {f"{CONFIG}/{name}": file.read_bytes() for name, file in config_files(scene).items()}
     entries = versions() | {f"own code {name}": held for name, held in own_code_of(scene.experiment).items()}
-    return files | {"versions.json": (json.dumps(entries, indent=2) + "\n").encode()}
+    return files | {VERSIONS: (json.dumps(entries, indent=2) + "\n").encode()}
 
 
 def digests_of_inputs(scene: Scene) -> dict[str, str]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 from swamp_rl.experiments.config.scene import Scene
-from swamp_rl.experiments.config.schema import PilotPlan, senses_in
+from swamp_rl.experiments.config.schema import PilotPlan, Record, senses_in
 
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
@@ -126,6 +126,31 @@ def check_logged(where: str, plan: PilotPlan, columns: Sequence[str] = ()) -> No
             refuse_unlogged(senses, columns)
         except UserError as error:
             raise UserError(f"{where}.senses: {error}") from error
+
+
+def check_recorded(plan: PilotPlan, record: Record) -> None:
+    """SettingsError where fewer runs are recorded than a pilot's settings need."""
+    if plan.runs is not None or plan.outcomes == ("success",):
+        check_count(plan, plan.runs or record.successes(plan.skill))
+
+
+def check_count(plan: PilotPlan, count: int) -> None:
+    """SettingsError where a pilot's settings need more than `count` runs."""
+    settings = settings_of_plan(plan)
+    if isinstance(settings, Settings):  # a class of one's own may have other ones
+        settings.check_count(count)
+
+
+def check_runs(plan: PilotPlan, runs: "Sequence[Run]") -> None:
+    """SettingsError where the runs that a pilot learns from do not suffice for its settings."""
+    settings = settings_of_plan(plan)
+    if isinstance(settings, Settings):
+        settings.check_runs(runs)
+
+
+def settings_of_plan(plan: PilotPlan) -> Any:
+    """The options of a plan as the settings of its kind."""
+    return learner(plan.kind).settings.model_validate(plan.options)
 
 
 def needed(plan: PilotPlan) -> list[str]:

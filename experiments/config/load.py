@@ -10,7 +10,7 @@ import yaml
 from swamp_rl.envs.own_terms import own_term
 from swamp_rl.envs.reward import weights_of
 from swamp_rl.experiments.config.layers import Layer, merged, with_targets_evaluated
-from swamp_rl.experiments.config.learners import check_logged, in_order, learner
+from swamp_rl.experiments.config.learners import check_logged, check_recorded, in_order, learner
 from swamp_rl.experiments.config.named_files import refuse_missing
 from swamp_rl.experiments.config.schema import Experiment, PilotPlan, senses_in
 from swamp_rl.experiments.config.smoke import shrunk
@@ -123,6 +123,8 @@ def _with_all_options(path: str | Path, experiment: Experiment) -> Experiment:
         pilots[name] = plan.model_copy(update={"options": settings.model_dump(mode="json")})
         if experiment.data.folder is None:
             check_logged(f"{path}: pilots.{name}.options", pilots[name])
+            with errors_at(f"{path}: pilots.{name}.options"):
+                check_recorded(pilots[name], experiment.data.record)
     try:
         in_order(pilots)
         weights = weights_of(experiment.reward)

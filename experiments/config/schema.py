@@ -70,6 +70,10 @@ class Record(Part):
     seed: Seed = 0
     skills: Skills = ("usual",)
 
+    def successes(self, skill: Skill | None) -> int:
+        """How many successful runs it makes, of the driver of that skill if given."""
+        return self.good * (len(self.skills) if skill is None else 1)
+
 
 class Data(Part):
     """What the pilots learn from: the dataset in `folder`, or one recorded now into the results.
@@ -235,7 +239,7 @@ class Experiment(Part):
                 raise ValueError(
                     f"pilots.{name}.skill: data.record.skills must name {plan.skill} and another; add them"
                 )
-            recorded = record.good * (len(record.skills) if plan.skill is None else 1)
+            recorded = record.successes(plan.skill)
             if (plan.runs or 0) > recorded and plan.outcomes == ("success",):
                 raise ValueError(
                     f"pilots.{name}.runs: {plan.runs} runs are asked for, data.record makes {recorded} "

@@ -11,7 +11,7 @@ from swamp_rl.experiments.artifacts.results import data_results
 from swamp_rl.experiments.artifacts.stages import Stages, measured
 from swamp_rl.experiments.config.claims import Claims
 from swamp_rl.experiments.config.digests import write_hashes
-from swamp_rl.experiments.config.learners import learner
+from swamp_rl.experiments.config.learners import check_count, learner
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.evaluation.comparison import without_nan
@@ -20,7 +20,7 @@ from swamp_rl.experiments.studies.claims_effects import CLAIMS, Hypothesis, hypo
 from swamp_rl.experiments.studies.claims_episodes import fly
 from swamp_rl.experiments.training.train import get_data
 
-from swamp_rl.errors import UserError
+from swamp_rl.errors import UserError, errors_at
 from swamp_rl.evaluation import holm, sign_flip_test
 from swamp_rl.evaluation.crossed import crossed_mean
 from swamp_rl.pilots.demonstrations import choose_runs
@@ -39,6 +39,8 @@ def check_claims(scene: Scene) -> Claims:
         raise UserError(f"claims.pilot: no pilot {plan.pilot!r}; name one of {known}")
     if not learner(scene.experiment.pilots[plan.pilot].kind).from_runs:
         raise UserError(f"claims.pilot: {plan.pilot} does not learn from runs; name one that does")
+    with errors_at(f"claims.runs: pilots.{plan.pilot}"):
+        check_count(scene.experiment.pilots[plan.pilot], min(plan.runs))
     if plan.few not in plan.runs:
         raise UserError(f"claims.few: {plan.few} is not in claims.runs; add it there")
     for level in (plan.at, plan.calm, *plan.disturbed, *plan.elsewhere):

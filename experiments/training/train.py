@@ -1,13 +1,21 @@
 """From logged runs and from trying: the dataset of an experiment, and its pilots trained and saved."""
 
 import json
+import shutil
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from swamp_rl.experiments.artifacts.provenance import TENSORBOARD
+from swamp_rl.experiments.artifacts.provenance import TENSORBOARD, checkpoints
 from swamp_rl.experiments.artifacts.stages import Stages
-from swamp_rl.experiments.config.learners import Training, check_logged, in_order, learner
+from swamp_rl.experiments.config.learners import (
+    Training,
+    check_logged,
+    check_runs,
+    in_order,
+    learner,
+    settings_of_plan,
+)
 from swamp_rl.experiments.config.made import made_of
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
@@ -18,7 +26,7 @@ from swamp_rl.experiments.training.tracking import tracked
 
 from swamp_rl.boat.digest import boat_digest
 from swamp_rl.boat.likeness import build_of
-from swamp_rl.errors import UserError
+from swamp_rl.errors import SettingsError, UserError, errors_at
 from swamp_rl.files import write_text
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import choose_runs
@@ -59,7 +67,7 @@ def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
 def notes(scene: Scene, dataset: Dataset) -> list[str]:
     """What limits the pilots that learn from `dataset`, one line each: its boat and faults of its runs, then
     by pilot starts and disturbances of the evaluation that its runs lack."""
-    by_pilot = (_notes_on(scene, name, plan, dataset) for name, plan in scene.experiment.pilots.items())
+    by_pilot = (_notes_on(scene, name, dataset) for name in scene.experiment.pilots)
     return [*_notes_on_data(scene, dataset), *(line for lines in by_pilot for line in lines)]
 
 
@@ -76,11 +84,12 @@ def _notes_on_data(scene: Scene, dataset: Dataset) -> list[str]:
     ]
 
 
-def _notes_on(scene: Scene, name: str, plan: PilotPlan, dataset: Dataset) -> list[str]:
+def _notes_on(scene: Scene, name: str, dataset: Dataset) -> list[str]:
+    plan = scene.experiment.pilots[name]
     # With a takeover another pilot drives at the start.
     if not learner(plan.kind).from_runs or plan.takeover > 0.0:
         return []
-    runs = _runs_of(name, plan, dataset)
+    runs = _runs_of(scene, name, dataset)
     found = (
         warning(scene, name, runs),
         calm_warning(scene, name, runs),
@@ -124,6 +133,8 @@ def train_pilots(
 
     Those that are there already are taken as they are, and a training that was cut short goes on where its
     learner can. What comes back is read from `folder`, so that a first life and a later one have the same.
+    UserError, before any training, for settings that do not fit the runs; SettingsError for those with which
+    a training fails, and then it leaves nothing.
     """
     plans = scene.experiment.pilots
     order = in_order(plans, only)
@@ -131,23 +142,30 @@ def train_pilots(
     for name in order:
         check_logged(f"pilots.{name}.options", plans[name], sorted(columns))
         if learner(plans[name].kind).from_runs:
-            _runs_of(name, plans[name], dataset)
+            _runs_of(scene, name, dataset)
     pilots: dict[str, Pilot] = {}
     for name in order:
         if not (folder / name).exists():
             others = {other: _alone(pilot) for other, pilot in pilots.items()}
-            _train_into(folder, name, scene, dataset, others, progress)
-        _checkpoint(folder, name).unlink(missing_ok=True)
+            try:
+                _train_into(folder, name, scene, dataset, others, progress)
+            except SettingsError:
+                _forget(folder, name)
+                shutil.rmtree(folder.parent / TENSORBOARD / name, ignore_errors=True)
+                raise
+        _forget(folder, name)
         pilots[name] = load_pilot(folder / name)
     return {name: pilots[name] for name in plans if name in order}
 
 
-def _runs_of(name: str, plan: PilotPlan, dataset: Dataset) -> list[Run]:
-    """The runs that a pilot learns from; UserError where the dataset has none or too few."""
-    try:
-        return choose_runs(dataset.runs, plan.runs, plan.outcomes, plan.skill)
-    except UserError as error:
-        raise UserError(f"{dataset.folder}: pilots.{name}: {error}") from error
+def _runs_of(scene: Scene, name: str, dataset: Dataset) -> list[Run]:
+    """The runs that a pilot learns from; UserError where they are too few, or too short for its settings."""
+    plan = scene.experiment.pilots[name]
+    where = "data.record" if scene.experiment.data.folder is None else dataset.folder
+    with errors_at(f"{where}: pilots.{name}"):
+        runs = choose_runs(dataset.runs, plan.runs, plan.outcomes, plan.skill)
+        check_runs(plan, runs)
+    return runs
 
 
 def _train_into(
@@ -159,15 +177,16 @@ def _train_into(
     progress: Stages,
 ) -> None:
     plan = scene.experiment.pilots[name]
-    checkpoint = _checkpoint(folder, name)
+    checkpoint, *_ = checkpoints(folder, name)
     curve: list[dict[str, float]] = []
-    for line in _notes_on(scene, name, plan, dataset):
+    for line in _notes_on(scene, name, dataset):
         progress.say(line)
     events = folder.parent / TENSORBOARD / name
     with progress.stage(f"train {name}", 1.0) as tick, tracked(events, scene.experiment, name) as log:
         hear = partial(_add_point, curve, log)
         training = _training(scene, dataset, plan, tick, checkpoint, trained, hear)
-        pilot = learner(plan.kind).train(training)
+        with errors_at(f"pilots.{name}"):
+            pilot = learner(plan.kind).train(training)
     made = _made(training)
     if (other := check_made_for(f"pilots.{name}", made, scene.boat, scene.experiment.step)) is not None:
         progress.say(other)
@@ -177,8 +196,10 @@ def _train_into(
             write_text(part / "curve.jsonl", "".join(f"{json.dumps(point)}\n" for point in curve))
 
 
-def _checkpoint(folder: Path, name: str) -> Path:
-    return folder / f".checkpoint-{name}"
+def _forget(folder: Path, name: str) -> None:
+    """Remove the checkpoints of a pilot's training."""
+    for checkpoint in checkpoints(folder, name):
+        checkpoint.unlink(missing_ok=True)
 
 
 def _alone(pilot: Pilot) -> Pilot:
@@ -211,8 +232,7 @@ def _training(
     trained: Mapping[str, Pilot],
     log: Log,
 ) -> Training:
-    settings = learner(plan.kind).settings.model_validate(plan.options)
-    return Training(scene, plan, settings, dataset, tick, checkpoint, log, trained)
+    return Training(scene, plan, settings_of_plan(plan), dataset, tick, checkpoint, log, trained)
 
 
 def _fitted_on(training: Training) -> FittedOn | None:

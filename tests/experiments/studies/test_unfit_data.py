@@ -40,6 +40,35 @@ def test_a_pilot_that_asks_for_more_runs_than_there_are_is_named_with_the_folder
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(
+    ("plan", "message"),
+    [
+        (
+            "{kind: cloning, options: {reaction: 30.0}}",
+            "one: lasts 3 s, less than the reaction of 30 s; lower reaction, or learn from longer runs",
+        ),
+        (
+            "{kind: reservoir, options: {washout: 500}}",
+            "washout: 500 leaves no row to learn from, the longest of 1 run has 31; lower washout",
+        ),
+        (
+            "{kind: reservoir-searched}",
+            "folds: 5 folds need as many runs, not 1; lower folds, or record more runs",
+        ),
+    ],
+)
+def test_settings_that_the_runs_do_not_suffice_for_are_refused_before_any_pilot_is_trained(
+    tmp_path: Path, plan: str, message: str
+) -> None:
+    data = runs_of(tmp_path / "runs", "swamp")
+    asked = [f"data={{folder: {data}}}", f"pilots.last={plan}"]
+    for task in (run_experiment, train_experiment):
+        with pytest.raises(UserError) as error:
+            task(write_tiny(tmp_path, "net"), asked, tmp_path / "out")
+        assert str(error.value) == f"{data}: pilots.last: {message}"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["runs", "tiny.yaml"]
+
+
 def runs_of(folder: Path, boat: str | Path) -> Path:
     """A dataset of a run stated to be of the boat."""
     create_dataset(folder, meta_of(load_boat(boat), str(boat), 10.0, "measured"), boat)
