@@ -3,7 +3,7 @@
 import fcntl
 import os
 import shutil
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from itertools import zip_longest
 from pathlib import Path
@@ -52,12 +52,14 @@ def taken_up(
     path: Path | str,
     replaces: Collection[str],
     description: Mapping[str, bytes],
+    continues: Callable[[Path], bool] = lambda part: False,
 ) -> Iterator[Path]:
     """Yield a hidden sibling of folder `path`, `.part-NAME`, renamed to `path` once the block has ended well.
 
     What an earlier life of the same job left in it is still there: the job is the same where the files of
-    `description`, text that is written into it by relative path, hold the same bytes. UserError where
-    another job has finished anything in it, which stays; otherwise it is emptied. Files that were being
+    `description`, text that is written into it by relative path, hold the same bytes, or where `continues`
+    says that this job may continue the other's work in that folder. UserError where another job has finished
+    anything in it, which stays; otherwise it is emptied. Files that were being
     written (`write_beside`, `folder_beside`) are removed. However the block ends, what it has made is left
     for the next life; only one refused by UserError before it made anything leaves nothing.
 
@@ -72,7 +74,7 @@ def taken_up(
             _recover(old, path)
             refuse_to_replace(path, replaces)
             there = _state(path)
-            _begin(part, description)
+            _begin(part, description, continues)
             try:
                 yield part
             except UserError:
@@ -173,7 +175,7 @@ def _remove(path: Path) -> None:
     shutil.rmtree(path, ignore_errors=True)
 
 
-def _begin(part: Path, description: Mapping[str, bytes]) -> None:
+def _begin(part: Path, description: Mapping[str, bytes], continues: Callable[[Path], bool]) -> None:
     """Clear away what was being written to `part`, what is of another job, and all links: no job makes any,
     and what is written must stay here. UserError where another job has finished anything in it."""
     if part.is_symlink():
@@ -186,19 +188,20 @@ def _begin(part: Path, description: Mapping[str, bytes]) -> None:
     for link in [found for found in part.rglob("*") if found.is_symlink()]:
         link.unlink()
     other = _differences(part, description)
-    if other and (finished := _finished(part, description)):
+    finished = _finished(part, description) if other else []
+    if finished and not continues(part):
         raise UserError(
             f"{part}: holds unfinished work ({', '.join(finished[:NAMED])}) of another configuration or "
             f"version ({'; '.join(other[:NAMED])}); repeat the earlier command to resume it, name another "
             "folder, or remove this one to start over"
         )
-    for entry in list(part.iterdir()) if other else ():
+    for entry in list(part.iterdir()) if other and not finished else ():
         shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
     for prefix in UNFINISHED:
         for leftover in list(part.rglob(f"{prefix}*")):
             shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink(missing_ok=True)
     for name, held in description.items():
-        if not (part / name).is_file():
+        if not (part / name).is_file() or (part / name).read_bytes() != held:
             with write_beside(part / name) as file:
                 file.write_bytes(held)
 

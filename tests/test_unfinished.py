@@ -66,6 +66,21 @@ def test_what_another_job_has_finished_is_kept_and_the_difference_reported(tmp_p
         assert (part / "done").read_text() == "done"
 
 
+def test_another_job_continues_what_it_may_continue_under_its_own_description(tmp_path: Path) -> None:
+    interrupted(tmp_path / "out")
+    asked: list[str] = []
+
+    def continues(part: Path) -> bool:
+        asked.append((part / "config" / "it.yaml").read_text())
+        return True
+
+    with taken_up(tmp_path / "out", (), OTHER, continues) as part:
+        assert (part / "done").read_text() == "done" and not (part / ".part-half").exists()
+    assert asked == ["a: 1\n"]
+    assert names(tmp_path) == ["out/config/it.yaml", "out/done"]
+    assert (tmp_path / "out" / "config" / "it.yaml").read_bytes() == OTHER["config/it.yaml"]
+
+
 def test_another_job_begins_where_nothing_was_finished(tmp_path: Path) -> None:
     with pytest.raises(KeyboardInterrupt), taken_up(tmp_path / "out", (), SAME) as part:
         (part / "pilots").mkdir()

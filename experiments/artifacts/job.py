@@ -2,26 +2,39 @@
 
 import json
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
-from swamp_rl.experiments.artifacts.provenance import RESULTS, TENSORBOARD, TRAINED, WORK, description
+from swamp_rl.experiments.artifacts.provenance import (
+    CONFIG,
+    EXPERIMENT,
+    RESULTS,
+    TENSORBOARD,
+    TRAINED,
+    VERSIONS,
+    WORK,
+    checkpoints,
+    description,
+)
 from swamp_rl.experiments.artifacts.stages import Stages, stages
 from swamp_rl.experiments.config.scene import Scene
 
 from swamp_rl.errors import UserError
-from swamp_rl.files import os_error, write_beside
+from swamp_rl.files import os_error, read_yaml, write_beside
 from swamp_rl.json_text import read_json
 from swamp_rl.names import refuse_link
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import contents
 from swamp_rl.sums import all_but_folders
 from swamp_rl.unfinished import taken_up
+from swamp_rl.yaml_text import parsed
 
 SECONDS = "seconds.json"
 TAKEN = ("data", "pilots/*", f"{TENSORBOARD}/*")
 """Folders that an evaluation takes over from a training."""
+KEPT = f"{CONFIG}/{EXPERIMENT}"
 
 
 @contextmanager
@@ -31,20 +44,66 @@ def job(
     """Yield the folder to build in, renamed to `folder` at the end, and the stages with their times so far.
 
     trained: a folder whose data and pilots are taken over where they are not there yet. replaces: the marks
-    of folders that may be replaced. Linear algebra has one thread meanwhile, for the same bits everywhere.
+    of folders that may be replaced. Unfinished work of an experiment that differs in pilots not yet begun is
+    continued. A UserError leaves no recorded runs where no pilot is trained. Linear algebra has one thread
+    meanwhile, for the same bits everywhere.
     """
-    with one_thread(), taken_up(folder, replaces, description(scene)) as part, stages() as bars:
-        if trained is not None:
-            _take_over(trained, part)
-        yield part, bars.logged_in(part / WORK / SECONDS)
+    held = description(scene)
+    with (
+        one_thread(),
+        taken_up(folder, replaces, held, partial(same_training, held)) as part,
+        stages() as bars,
+    ):
+        try:
+            if trained is not None:
+                _take_over(trained, part)
+            yield part, bars.logged_in(part / WORK / SECONDS)
+        except UserError:
+            _clear_untrained(part)
+            raise
         for work in list(part.rglob(WORK)):
             shutil.rmtree(work)
 
 
-def same_job(folder: Path, scene: Scene) -> bool:
-    """Whether a folder was made with this configuration and these versions."""
-    files = description(scene).items()
-    return all((folder / name).is_file() and (folder / name).read_bytes() == held for name, held in files)
+def _clear_untrained(part: Path) -> None:
+    """Remove the recorded runs, and how long they took, where nothing else is finished."""
+    made = {path.relative_to(part) for path in part.rglob("*") if path.is_file()}
+    rest = {path for path in made if path.parts[0] not in ("data", CONFIG, VERSIONS)}
+    if rest <= {Path(WORK, SECONDS)}:
+        for name in ("data", WORK):
+            shutil.rmtree(part / name, ignore_errors=True)
+
+
+def same_training(held: Mapping[str, bytes], folder: Path) -> bool:
+    """Whether the data and pilots in `folder` are those of the job of the description `held`.
+
+    Targets may differ, and pilots of which nothing is there yet.
+    """
+    found = {name: (folder / name).read_bytes() for name in held if (folder / name).is_file()}
+    others = found.keys() - {KEPT}
+    if not {KEPT, VERSIONS} <= found.keys() or any(found[name] != held[name] for name in others):
+        return False
+    if found[KEPT] == held[KEPT]:
+        return True
+    return not (folder / RESULTS).is_file() and _same_but_pilots(held, folder)
+
+
+def _same_but_pilots(held: Mapping[str, bytes], folder: Path) -> bool:
+    new = parsed(held[KEPT].decode())
+    try:
+        old = read_yaml(folder / KEPT)
+        before, after = old["pilots"], new["pilots"]
+        changed = [name for name in before | after if before.get(name) != after.get(name)]
+        begun = any(_is_begun(folder / "pilots", name) for name in changed)
+    except (UserError, KeyError, TypeError):  # of a file that no job wrote
+        return False
+    kept = new.keys() - {"pilots", "targets"}
+    plain = new["claims"] is None and new["hidden"] is None
+    return plain and not begun and all(old.get(key) == new[key] for key in kept)
+
+
+def _is_begun(pilots: Path, name: str) -> bool:
+    return any(path.exists() for path in (pilots / name, *checkpoints(pilots, name)))
 
 
 def _take_over(trained: Path, part: Path) -> None:

@@ -4,10 +4,11 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
-from swamp_rl.experiments.artifacts.job import job, same_job
+from swamp_rl.experiments.artifacts.job import job, same_training
 from swamp_rl.experiments.artifacts.provenance import (
     RESULTS,
     TRAINED,
+    description,
     experiment_name,
     kept_config,
     same_configs,
@@ -124,7 +125,8 @@ def _sound(experiment: Experiment, given: str | Path) -> tuple[Scene, Work]:
 
 
 def _earlier(folder: Path, scene: Scene) -> Path | None:
-    """The folder itself, where it holds pilots of the same job that are not evaluated yet.
+    """The folder itself, where it holds pilots of the same job that are not evaluated yet, or of one that
+    differs in pilots that are not trained there.
 
     UserError where it holds the result of another experiment, or pilots of another job: these are kept.
     """
@@ -134,6 +136,6 @@ def _earlier(folder: Path, scene: Scene) -> Path | None:
         return None
     if not (folder / TRAINED).is_file():
         return None
-    if not same_job(folder, scene):
+    if not same_training(description(scene), folder):
         raise UserError(f"{folder}: holds pilots trained with another configuration or version, {KEPT}")
     return folder
