@@ -7,7 +7,6 @@ from swamp_rl.envs.hindsight import with_gates
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 
-from swamp_rl.errors import UserError
 from swamp_rl.pilots.demonstrations import examples
 from swamp_rl.runs import Run
 
@@ -27,17 +26,14 @@ def reaction_warning(scene: Scene, name: str, plan: PilotPlan, runs: Sequence[Ru
     seen = [with_gates(run, scene.course) for run in runs]
     step = scene.experiment.step
     shifts = [*np.arange(0.0, reaction, step), reaction]
-    try:
-        left = [_unexplained(seen, plan.options["senses"], shift) for shift in shifts]
-    except UserError:  # which the training says
-        return None
+    left = [_unexplained(seen, plan.options["senses"], shift) for shift in shifts]
     best = int(np.argmin(left))
-    if left[-1] < CLEARLY_MORE * left[best]:
+    if left[-1] <= CLEARLY_MORE * left[best]:
         return None
     return (
         f"pilots.{name}: the levers follow what the driver saw by about {shifts[best]:.2g} s, not by the "
-        f"reaction of {reaction:g} s (a linear fit leaves {left[best]:.0%} and {left[-1]:.0%} of them); if it "
-        f"acts too early, set reaction to {shifts[best]:.2g}, or to 0 for a driver that is no person"
+        f"reaction of {reaction:g} s (a linear fit leaves {left[best]:.0%} and {left[-1]:.0%} of them); if "
+        f"it acts too early, set reaction to {shifts[best]:.2g}, or to 0 for a driver that is no person"
     )
 
 

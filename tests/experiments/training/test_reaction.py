@@ -56,5 +56,11 @@ def test_a_reaction_longer_than_the_drivers_is_reported_with_that_of_the_runs(
     assert warned(scene, driven, 0.1 * rows) is None
 
 
-def test_runs_shorter_than_the_reaction_are_left_to_the_training(scene: Scene, runs: list[Run]) -> None:
-    assert warned(scene, runs, 1000.0) is None
+def test_levers_that_never_move_say_nothing_of_a_reaction(scene: Scene, runs: list[Run]) -> None:
+    still = [
+        replace(
+            run, columns=run.columns | dict.fromkeys(("joy_angle", "joy_thrust"), np.zeros(len(run.time)))
+        )
+        for run in runs
+    ]
+    assert warned(scene, still, 0.4) is None
