@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from gymnasium import spaces
-from gymnasium.vector import AutoresetMode
+from gymnasium.vector import AutoresetMode, VectorWrapper
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 from swamp_rl.envs.batched import GatesVectorEnv
@@ -28,7 +28,12 @@ class GatesVecEnv(VecEnv):
 
         hold: steps of the boats for which each action is held; their rewards are summed.
         """
-        if getattr(boats, "autoreset_mode", None) != AutoresetMode.SAME_STEP:
+        if isinstance(boats, VectorWrapper):
+            raise UserError(
+                f"GatesVecEnv: takes the batch itself, not Gymnasium's wrapper {type(boats).__name__}; use a "
+                "wrapper of stable-baselines3, such as VecMonitor(GatesVecEnv(batch))"
+            )
+        if not isinstance(boats, GatesVectorEnv) or boats.autoreset_mode != AutoresetMode.SAME_STEP:
             raise UserError(
                 "GatesVecEnv: needs a batch that restarts in the same step: gymnasium.make_vec("
                 '"swamp/Gates-v1", num_envs=8, autoreset_mode="SameStep")'

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gymnasium.wrappers.vector import RecordEpisodeStatistics
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.single import GatesEnv
 
@@ -97,6 +98,12 @@ def test_a_failure_is_no_time_out() -> None:
 def test_boats_that_do_not_start_anew_in_the_same_step_are_refused(boats: Callable[[], Any]) -> None:
     with pytest.raises(UserError, match='autoreset_mode="SameStep"'):
         sb3.GatesVecEnv(boats())
+
+
+def test_a_wrapper_of_gymnasium_is_named_with_what_to_use_instead() -> None:
+    wrapped = RecordEpisodeStatistics(boats(3))
+    with pytest.raises(UserError, match=r"not Gymnasium's wrapper RecordEpisodeStatistics; .*VecMonitor"):
+        sb3.GatesVecEnv(wrapped)
 
 
 def test_ppo_learns_on_it_for_a_moment() -> None:
