@@ -9,12 +9,13 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Fleet
 from swamp_rl.envs.kernel import CUT, RUNNING
-from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
+from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode
 from swamp_rl.envs.supply import Supply
 from swamp_rl.envs.task import MOST_STEPS, Task, TaskArguments, refuse_unknown
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.whole_number import known_seed, whole_number
 
 Step = tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 Array = NDArray[Any]
@@ -45,10 +46,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         **task: Unpack[TaskArguments],
     ) -> None:
         refuse_unknown(task, ("num_envs", "render_mode", "autoreset_mode"))
-        whole = isinstance(num_envs, int | np.integer) and not isinstance(num_envs, bool)
-        if not whole or not 1 <= num_envs <= MOST_BOATS:
-            raise UserError(f"num_envs: must be a whole number from 1 to {MOST_BOATS}, not {num_envs!r}")
-        self.num_envs = int(num_envs)
+        self.num_envs = whole_number("num_envs:", num_envs, 1, MOST_BOATS)
         self.render_mode = known_render_mode(render_mode)
         self.autoreset_mode = _known_autoreset(autoreset_mode)
         self.task = Task.read(**task)
@@ -74,7 +72,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         """
         if isinstance(seed, list | tuple | np.ndarray):
             raise UserError('reset: seed must be one whole number; several are options={"episodes": seeds}')
-        seed = known_seed(seed)
+        seed = known_seed("reset", seed)
         super().reset(seed=seed)
         asked = known_options(options, ("episodes", "once"))
         episodes, once = asked.get("episodes"), asked.get("once", False)
@@ -111,8 +109,7 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
         """
         if not self._started:
             raise UserError("step: the boats have not started; call reset first")
-        if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 1 <= steps <= MOST_STEPS:
-            raise UserError(f"step_held: steps must be a whole number from 1 to {MOST_STEPS}, not {steps!r}")
+        steps = whole_number("step_held: steps", steps, 1, MOST_STEPS)
         asked = known_levers(actions, (self.num_envs, 2))
         self.fleet.refuse_levers(asked)
         begun, self._ended = self._ended, self._ended[:0]

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.spaces import joypad_space
+from swamp_rl.envs.task import MOST_STEPS
 
 from swamp_rl.errors import UserError
+from swamp_rl.whole_number import whole_number
 
 
 class GatesVecEnv(VecEnv):
@@ -38,13 +40,13 @@ class GatesVecEnv(VecEnv):
                 "GatesVecEnv: needs a batch that restarts in the same step: gymnasium.make_vec("
                 '"swamp/Gates-v1", num_envs=8, autoreset_mode="SameStep")'
             )
-        self.boats, self.hold = boats, hold
+        self.boats, self.hold = boats, whole_number("GatesVecEnv: hold", hold, 1, MOST_STEPS)
         self._actions: NDArray[Any] | None = None
         levers = joypad_space()
         self._middle, self._reach = 0.5 * (levers.high + levers.low), 0.5 * (levers.high - levers.low)
         whole = spaces.Box(-1.0, 1.0, levers.shape, np.float32)
         super().__init__(boats.num_envs, boats.single_observation_space, whole)
-        self.metadata = {**boats.metadata, "render_fps": boats.metadata["render_fps"] / hold}
+        self.metadata = {**boats.metadata, "render_fps": boats.metadata["render_fps"] / self.hold}
 
     def reset(self) -> NDArray[np.float32]:
         """Observations (n, d); boat i takes the seed of `seed()` plus i, if that was called since the last

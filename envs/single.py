@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from swamp_rl.envs.fleet import Fleet
 from swamp_rl.envs.kernel import CUT
-from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode, known_seed
+from swamp_rl.envs.spaces import joypad_space, known_levers, known_options, known_render_mode
 from swamp_rl.envs.task import Task, TaskArguments, refuse_unknown
 
 from swamp_rl.errors import UserError
+from swamp_rl.whole_number import known_seed
 
 ONLY = np.zeros(1, dtype=np.intp)
 PAIR = (2,)
@@ -50,7 +51,7 @@ class GatesEnv(gymnasium.Env[NDArray[Any], NDArray[Any]]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.float32], dict[str, Any]]:
         """Start an episode; observation (d,) and an empty info. There are no options."""
-        super().reset(seed=known_seed(seed))
+        super().reset(seed=known_seed("reset", seed))
         known_options(options, ())
         self.fleet.draw_from([self.np_random])
         self.fleet.begin(ONLY)

@@ -30,15 +30,6 @@ def known_levers(actions: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:
     return levers.astype(np.float64, copy=False)
 
 
-def known_seed(seed: Any) -> int | None:
-    """`seed` if it is None or a whole number of at least 0; UserError otherwise."""
-    if seed is None:
-        return None
-    if isinstance(seed, int | np.integer) and not isinstance(seed, bool) and seed >= 0:
-        return int(seed)
-    raise UserError(f"reset: seed must be a whole number of at least 0, not {seed!r}")
-
-
 def known_render_mode(mode: str | None) -> str | None:
     """`mode` if it is one that is there; UserError otherwise."""
     if mode not in (None, "rgb_array"):

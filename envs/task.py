@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self, TypedDict, Unpack
 
-import numpy as np
 from gymnasium.spaces import Box
 from swamp_rl.envs.depth import refuse_depth
 from swamp_rl.envs.observation import CHARGE, Observed, observation_space, observed
@@ -22,6 +21,7 @@ from swamp_rl.effects.entries import is_number
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.simulator.reference import size_of
+from swamp_rl.whole_number import whole_number
 
 Disturbances = str | Path | Sequence[Mapping[str, Any]] | None
 
@@ -137,8 +137,4 @@ def _checked_step(step: Any) -> float:
 
 
 def _checked_steps(steps: Any) -> int | None:
-    if steps is None:
-        return None
-    if isinstance(steps, bool) or not isinstance(steps, int | np.integer) or not 1 <= steps <= MOST_STEPS:
-        raise UserError(f"max_episode_steps: must be a whole number of at least 1, not {steps!r}")
-    return int(steps)
+    return None if steps is None else whole_number("max_episode_steps:", steps, 1, MOST_STEPS)

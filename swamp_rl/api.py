@@ -1,6 +1,5 @@
 """Public functions on top of the library: simulate commands, carry out a manoeuvre, identify a boat."""
 
-import math
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -26,6 +25,7 @@ from swamp_rl.runs import Dataset, Run, read_dataset
 from swamp_rl.runs.check import check_column
 from swamp_rl.runs.table import Table
 from swamp_rl.simulator.replay import replay
+from swamp_rl.whole_number import known_seed
 
 Model = Literal["yaw-model", "elementary", "thrust-deduction"]
 LISTED = ("throttle", "rpm", "angle_deg", "heading_deg")
@@ -61,13 +61,13 @@ def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0
     of this boat, or if a value is out of range, as in percent or degrees. The limits are the boat's for an
     array, with rows counted from 0; for a run they are those of any boat, with rows counted from 1.
     """
-    vessel = _loaded(boat)
+    vessel, seed = _loaded(boat), known_seed("simulate", seed)
     if isinstance(commands, Run):
         given = commands.columns
         _refuse_out_of_range({name: given[name] for name in _columns(vessel) if name in given}, None, 1)
         return replay(vessel, commands)
     rows = _commands(vessel, commands)
-    if not (math.isfinite(step) and 0.0 < step <= 10.0):
+    if not (is_number(step) and 0.0 < step <= 10.0):
         raise UserError(f"simulate: step must be above 0 and at most 10 s, not {step!r}")
     return record_run(vessel, rows, step, NOISELESS, np.random.default_rng(seed), "simulated")
 

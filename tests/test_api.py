@@ -6,6 +6,7 @@ import pydoc
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -116,11 +117,19 @@ def test_a_run_replayed_is_the_run() -> None:
         ("full ahead", 0.1, "not an array of numbers"),
         (np.zeros((5, 8)), 0.0, "step must be above 0"),
         (np.zeros((5, 8)), math.nan, "step must be above 0"),
+        (np.zeros((5, 8)), "0.1", "step must be above 0"),
     ],
 )
-def test_commands_of_another_boat_are_refused(commands: object, step: float, part: str) -> None:
+def test_commands_of_another_boat_are_refused(commands: object, step: Any, part: str) -> None:
     with pytest.raises(UserError, match=re.escape(part)):
         swamp_rl.simulate(BOAT, commands, step)
+
+
+@pytest.mark.parametrize("seed", [-1, 1.5, "one", True])
+def test_a_seed_that_is_none_is_refused(seed: Any) -> None:
+    for commands in (straight_ahead(5, 0.5), swamp_rl.simulate(BOAT, straight_ahead(5, 0.5))):
+        with pytest.raises(UserError, match="simulate: seed must be a whole number of at least 0, not"):
+            swamp_rl.simulate(BOAT, commands, seed=seed)
 
 
 def test_a_runs_commands_in_percent_are_refused_and_azimuths_that_count_turns_are_not() -> None:

@@ -32,6 +32,7 @@ FLOORS = (
         "own_code",
         "seal",
         "sums",
+        "whole_number",
         "workers",
     },
     {"files", "arrays_file", "replacement", "sqlite_file", "tensors_file", "unfinished"},

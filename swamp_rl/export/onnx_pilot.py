@@ -15,7 +15,7 @@ from swamp_rl.export.steps import FIRST_LEVERS
 from swamp_rl.extras import missing
 from swamp_rl.json_text import parsed_json
 from swamp_rl.own_code import refuse_unnamed
-from swamp_rl.pilots.arrays import Array
+from swamp_rl.pilots.arrays import Array, checked_count
 from swamp_rl.pilots.description import Made
 from swamp_rl.seal import sealed_file
 
@@ -61,6 +61,7 @@ class OnnxPilot:
 
     def reset(self, n: int) -> None:
         """Begin with n boats, all states zero."""
+        n = checked_count(n)
         self._kept = {
             given.name: np.zeros((n, *given.shape[1:]), dtype=TYPES[given.type]) for given in self._states
         }

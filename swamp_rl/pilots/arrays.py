@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.errors import UserError
+from swamp_rl.whole_number import whole_number
 
 Array = NDArray[Any]
 
@@ -60,6 +61,11 @@ def checked(observation: Any, senses: Sequence[str], boats: int | None = None) -
         row, place = np.argwhere(~np.isfinite(seen))[0]
         raise UserError(f"pilot.act: boat {row}: {senses[place]} is not a finite number")
     return seen
+
+
+def checked_count(n: Any) -> int:
+    """The number of boats that a pilot is reset for; UserError unless it is a whole number of at least 0."""
+    return whole_number("pilot.reset: n", n, 0)
 
 
 def owned(owner: str, arrays: Mapping[str, Array]) -> dict[str, Array]:

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from swamp_rl.one_thread import one_thread
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, times
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, checked_count, times
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import NEXT_GATE, POSE, examples
 from swamp_rl.pilots.network import REACH
@@ -49,7 +49,7 @@ class GRUPilot:
 
     def reset(self, n: int) -> None:
         """Set the number of boats to n and all states to zero."""
-        self.memory = np.zeros((n, len(self._weights["Wout"])), dtype=np.float32)
+        self.memory = np.zeros((checked_count(n), len(self._weights["Wout"])), dtype=np.float32)
 
     def reset_boats(self, mask: Array) -> None:
         """Set the states of the boats of `mask` (n,) to zero."""

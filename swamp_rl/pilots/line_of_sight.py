@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, checked_count
 from swamp_rl.pilots.demonstrations import GATE
 from swamp_rl.pilots.settings import NotNegative, Settings, Share
 
@@ -41,7 +41,8 @@ class LineOfSightPilot:
         self._damping = DAMPING if self.options.damping is None else self.options.damping
 
     def reset(self, n: int) -> None:
-        """Do nothing: there is no internal state."""
+        """Check n: there is no internal state."""
+        checked_count(n)
 
     def reset_boats(self, mask: Array) -> None:
         """Do nothing: there is no internal state."""

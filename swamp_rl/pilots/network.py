@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, times
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, checked_count, times
 from swamp_rl.pilots.memory import Memory
 
 REACH = 10.0
@@ -42,6 +42,7 @@ class NetworkPilot:
 
     def reset(self, n: int) -> None:
         """Set the number of boats to n; each decides at its next step."""
+        n = checked_count(n)
         self._held_for = np.zeros(n, dtype=np.int64)
         self._levers = np.zeros((n, 2))
         self._memory.begin(n)

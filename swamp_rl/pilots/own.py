@@ -19,7 +19,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
 from swamp_rl.ordinary import contents
 from swamp_rl.own_code import is_code, own_code
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, checked_count
 from swamp_rl.pilots.settings import Settings
 
 GROUP = "swamp_rl.pilots"
@@ -138,7 +138,7 @@ class OwnPilot:
 
     def reset(self, n: int) -> None:
         """Begin a run with each of n boats."""
-        self._begin(n)
+        self._begin(checked_count(n))
         self.pilot.reset(n)
 
     def reset_boats(self, mask: Array) -> None:

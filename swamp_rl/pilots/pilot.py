@@ -20,7 +20,10 @@ class Pilot(Protocol):
         """Names of its d observations, in order."""
 
     def reset(self, n: int) -> None:
-        """Set the number of boats to n and reset all internal states."""
+        """Set the number of boats to n and reset all internal states.
+
+        UserError if n is no whole number of at least 0.
+        """
 
     def reset_boats(self, mask: Array) -> None:
         """Reset the internal states of the boats of `mask` (n,) bool."""

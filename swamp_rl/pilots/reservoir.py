@@ -15,7 +15,7 @@ from scipy.sparse import csr_array
 
 from swamp_rl.errors import SettingsError
 from swamp_rl.one_thread import one_thread
-from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, times
+from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, checked_count, times
 from swamp_rl.pilots.demonstrations import POSE, examples, rows_to_learn
 from swamp_rl.pilots.divergence import refuse_diverged
 from swamp_rl.pilots.readout import Moments, RecursiveReadout, ridge_readout, variance_matched
@@ -96,7 +96,7 @@ class ReservoirPilot:
 
     def reset(self, n: int) -> None:
         """Set the number of boats to n and all states to zero."""
-        self.state = np.zeros((n, len(self._constant)))
+        self.state = np.zeros((checked_count(n), len(self._constant)))
 
     def reset_boats(self, mask: Array) -> None:
         """Set the states of the boats of `mask` (n,) to zero."""

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from swamp_rl.angles import wrapped_below
 from swamp_rl.constants import LONGEST_BOAT, SHORTEST_BOAT, SWAMP_LENGTH
-from swamp_rl.pilots.arrays import Array, checked
+from swamp_rl.pilots.arrays import Array, checked, checked_count
 from swamp_rl.pilots.demonstrations import GATE, MOTION
 from swamp_rl.pilots.settings import NotNegative, Positive, Range, Settings, Share
 
@@ -119,6 +119,7 @@ class ScriptedPilot:
 
     def reset(self, n: int) -> None:
         """Set the number of boats to n, each at its first run."""
+        n = checked_count(n)
         self._numbers = np.arange(n)
         self._runs = np.zeros(n, dtype=np.int64)
         self._traits = np.zeros(n, dtype=_TRAITS)

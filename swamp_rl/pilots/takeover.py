@@ -4,7 +4,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from swamp_rl.pilots.arrays import Array, checked
+from swamp_rl.pilots.arrays import Array, checked, checked_count
 from swamp_rl.pilots.pilot import Pilot
 
 
@@ -25,7 +25,7 @@ class TakeoverPilot:
 
     def reset(self, n: int) -> None:
         """Set the number of boats to n, driven by the first pilot."""
-        self._tick = np.zeros(n, dtype=np.int64)
+        self._tick = np.zeros(checked_count(n), dtype=np.int64)
         self.first.reset(n)
         self.then.reset(n)
 

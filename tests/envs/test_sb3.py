@@ -106,6 +106,12 @@ def test_a_wrapper_of_gymnasium_is_named_with_what_to_use_instead() -> None:
         sb3.GatesVecEnv(wrapped)
 
 
+@pytest.mark.parametrize("hold", [0, -1, 2.5, None, True])
+def test_a_number_of_held_steps_that_cannot_be_is_refused_at_once(hold: Any) -> None:
+    with pytest.raises(UserError, match="hold must be a whole number from 1 to"):
+        sb3.GatesVecEnv(boats(2), hold)
+
+
 def test_ppo_learns_on_it_for_a_moment() -> None:
     from stable_baselines3 import PPO
     from stable_baselines3.common.vec_env import VecMonitor

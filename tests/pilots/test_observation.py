@@ -48,3 +48,13 @@ def test_a_pilot_with_states_asks_for_a_reset_for_the_number_of_boats(kind: str)
     pilot = PILOTS[kind]()
     with pytest.raises(UserError, match=r"of 3 boats, the pilot was reset for 0; call reset\(3\) first"):
         pilot.act(np.zeros((3, len(pilot.senses))))
+
+
+@pytest.mark.parametrize("kind", PILOTS)
+def test_a_number_of_boats_that_cannot_be_is_refused_and_the_pilot_goes_on(kind: str) -> None:
+    pilot = PILOTS[kind]()
+    pilot.reset(2)
+    for n in (-1, 1.5, "two", None, True):
+        with pytest.raises(UserError, match="reset: n must be a whole number of at least 0, not "):
+            pilot.reset(n)  # type: ignore[arg-type]
+    assert pilot.act(np.zeros((2, len(pilot.senses)))).shape == (2, 2)
