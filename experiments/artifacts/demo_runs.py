@@ -2,10 +2,11 @@
 
 import fnmatch
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from swamp_rl.experiments.artifacts.flown import flown, opened_for
+from swamp_rl.experiments.artifacts.provenance import CONFIG, RESULTS, home_of
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat.digest import boat_digest
@@ -22,8 +23,6 @@ from swamp_rl.runs import DatasetMeta, Run, read_dataset, read_run
 from swamp_rl.runs.copies import course_file
 from swamp_rl.runs.dataset import META, boat_of, read_meta
 from swamp_rl.runs.describe import is_table
-
-RESULTS = "results.json"
 
 
 @dataclass
@@ -48,20 +47,20 @@ def read_shown(sources: Sequence[str | Path], patterns: list[str], align: Align 
     """The runs of `sources` whose name, or DRIVER/NAME, fits one of `patterns` (with * and ?), and pilots.
 
     Without patterns, a results folder shows its race only. A source that names a pilot (see `asked_pilot`) is
-    flown in the episode of each run shown; without any other source, in that of the run that comes with the
-    package; without any source at all, those that come with the package are. UserError where nothing fits, or
-    where the sources are of different courses.
+    flown in the episode of each run shown; without any other source, in that of `_usual_runs`; without any
+    source at all, the pilots that come with the package are. UserError where nothing fits, or where the
+    sources are of different courses.
     """
     refuse_missing([str(source) for source in sources])
     pilots = [asked_pilot(str(source)) for source in sources if names_pilot(str(source))]
     folders = [Path(source) for source in sources if not names_pilot(str(source))]
     if not sources:
         pilots = [asked_pilot(name) for name in (*shipped_folders("pilots"), *BUILT_IN)]
-    folders = folders or list(shipped_folders("runs").values())
-    parts = [_read(folder) for folder in folders]
+    named = [(folder, _read(folder)) for folder in folders] or _usual_runs(pilots)
+    parts = [part for _, part in named]
     if len({_text(part.course) for part in parts}) > 1:
-        named = ", ".join(sorted(part.course.name if part.course else "none" for part in parts))
-        raise UserError(f"these are runs of different courses ({named}); show each course by itself")
+        courses = ", ".join(sorted(part.course.name if part.course else "none" for part in parts))
+        raise UserError(f"these are runs of different courses ({courses}); show each course by itself")
     shown: dict[str, list[Run]] = {}
     for part in parts:
         kept = {
@@ -78,9 +77,32 @@ def read_shown(sources: Sequence[str | Path], patterns: list[str], align: Align 
         raise UserError(_nothing_fits(parts, patterns))
     first = parts[0]
     one_boat = len({boat_digest(part.boat) for part in parts}) == 1
-    title = ", ".join(folder.resolve().name for folder in folders)
+    title = ", ".join(folder.resolve().name for folder, _ in named)
     size = first.boat.length, first.boat.breadth
     return demo_scene(title, shown, first.course, size, align, one_boat)
+
+
+def _usual_runs(pilots: Sequence[Asked]) -> list[tuple[Path, Found]]:
+    """A run of the experiment that the first of the pilots was trained in, of those whose folder of results
+    keeps runs; else the run that comes with the package."""
+    for pilot in pilots:
+        home = None if pilot.folder is None else home_of(pilot.folder)
+        data = None if home is None else _data_of(home)
+        if home is not None and data is not None:
+            return [(home, _first_alone(_read_dataset(data, kept=home / CONFIG / "courses")))]
+    return [(folder, _read(folder)) for folder in shipped_folders("runs").values()]
+
+
+def _first_alone(found: Found) -> Found:
+    """The same with one run chosen: the first successful one, else the first."""
+    labelled = [(f"{group}/{run.name}", run) for group, runs in found.groups.items() for run in runs]
+    label, _ = min(labelled, key=lambda one: one[1].meta.outcome != "success")
+    return replace(found, chosen={label})
+
+
+def _data_of(results: Path) -> Path | None:
+    """The runs learned from in a folder of results; where they lie elsewhere, the run of the race alone."""
+    return next((path for path in (results / "data", results / "shown") if path.is_dir()), None)
 
 
 def _text(course: Course | None) -> str:
@@ -99,7 +121,7 @@ def _beside(asked: Asked, part: Found, runs: list[Run]) -> list[Run]:
     """The pilot's own runs, one in each of the episodes that the runs are of."""
     if part.course is None:
         raise UserError(f"{asked.name}: the runs have no course to fly on; name a dataset that has one")
-    pilot = opened_for(asked, part.boat, part.step)
+    pilot = opened_for(asked, part.boat, part.step, named_by="runs of boat")
     episodes: list[Run] = []
     for run in runs:
         if not any(conditions([run, other]).same for other in episodes):
@@ -180,9 +202,7 @@ def _read_results(folder: Path) -> Found:
     driven = sorted(path for path in (folder / "driven").glob("*") if path.is_dir())
     if not driven:
         raise UserError(f"{folder}: keeps no runs of its pilots (driven/); make the results again")
-    kept = folder / "config" / "courses"
-    # What was learned from a folder elsewhere is not here, but for the run of the race.
-    data = next((path for path in (folder / "data", folder / "shown") if path.is_dir()), None)
+    kept, data = folder / CONFIG / "courses", _data_of(folder)
     parts = [] if data is None else [_read_dataset(data, data_source, kept)]
     parts += [
         _read_dataset(path, path.name if path.name != data_source else f"{path.name} pilot", kept)

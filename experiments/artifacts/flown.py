@@ -19,10 +19,11 @@ from swamp_rl.pilots.record import replayable
 from swamp_rl.runs import Run, RunMeta
 
 
-def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
+def opened_for(asked: Asked, boat: Boat, step: float, named_by: str = "boat") -> Pilot:
     """The pilot, to drive that boat at that time between decisions [s]; a note where it was made for another.
 
-    UserError as `check_made_for`, and for a pilot that is missing or damaged, or observes what there is not.
+    named_by: as for `check_made_for`. UserError as there, and for a pilot that is missing or damaged, or
+    observes what there is not.
     """
     try:
         made = made_of(asked.kind, asked.options if asked.folder is None else {"folder": asked.folder})
@@ -33,7 +34,7 @@ def opened_for(asked: Asked, boat: Boat, step: float) -> Pilot:
         raise
     with errors_at(asked.folder or (asked.kind if ":" in asked.kind else asked.name)):
         observed(pilot.senses)
-    if (line := check_made_for(asked.place or asked.name, made, boat, step)) is not None:
+    if (line := check_made_for(asked.place or asked.name, made, boat, step, named_by)) is not None:
         say(line)
     return pilot
 

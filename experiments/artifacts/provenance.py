@@ -69,6 +69,17 @@ def kept_config(given: str | Path) -> Path | None:
     return None
 
 
+def home_of(folder: Path) -> Path | None:
+    """The folder of results that this is, or that holds this pilot's folder or configuration."""
+    config = kept_config(folder)
+    home = folder.resolve().parent.parent if config is None else config.resolve().parent
+    if config is None and not (home / CONFIG / EXPERIMENT).is_file():
+        return None
+    here = Path.cwd()
+    below = not folder.is_absolute() and home != here and home.is_relative_to(here)
+    return home.relative_to(here) if below else home
+
+
 def experiment_name(folder: Path) -> str | None:
     """The name of the experiment that a folder of results keeps; None where it keeps none."""
     kept = folder / CONFIG / EXPERIMENT

@@ -6,7 +6,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from swamp_rl.experiments.artifacts.provenance import CONFIG, EXPERIMENT, TRAINED, kept_config, same_configs
+from swamp_rl.experiments.artifacts.provenance import CONFIG, EXPERIMENT, TRAINED, home_of, same_configs
 from swamp_rl.experiments.artifacts.stages import say
 from swamp_rl.experiments.config.load import load_experiment, overridden
 from swamp_rl.experiments.config.schema import Experiment, Targets
@@ -59,7 +59,7 @@ def evaluate_folders(
         if not folder.is_dir():
             raise UserError(f"{folder}: no such folder; name one of results, or of a stored pilot")
     asked = {"evaluation": dict(changes)}
-    home = _home(folders[0]) if folders else None
+    home = home_of(folders[0]) if folders else None
     if len(pilots) == 1 and experiment is None and home is not None and not _is_pilot(folders[0]):
         return _of_results(home, asked, overrides, out)
     return _of_pilots(pilots, experiment, asked, overrides, out or Path("results") / "evaluation")
@@ -99,7 +99,7 @@ def _of_pilots(
     """All pilots, those of folders as kind `stored`, in the scene of one experiment."""
     plans = _plans_of(pilots)
     folders = [pilot.folder for pilot in pilots if pilot.folder is not None]
-    homes = [home for folder in folders if (home := _home(folder)) is not None]
+    homes = [home for folder in folders if (home := home_of(folder)) is not None]
     if name is None and not homes:
         name = _usual(folders)
     home = homes[0] if name is None else None
@@ -137,7 +137,7 @@ def _plans_of(pilots: Sequence[Asked]) -> dict[str, Mapping[str, Any]]:
             found.append((pilot.name, holder, where, {"kind": pilot.kind, "options": pilot.options}))
             continue
         for folder in _stored_in(pilot.folder):
-            holder = (_home(folder) or folder.resolve().parent).name
+            holder = (home_of(folder) or folder.resolve().parent).name
             stored = {"kind": "stored", "options": {"folder": str(folder)}}
             found.append((folder.resolve().name, holder, str(folder), stored))
     names = [_plain(name) for name, *_ in found]
@@ -165,17 +165,6 @@ def _plain(name: str) -> str:
 
 def _is_pilot(folder: Path) -> bool:
     return (folder / DESCRIPTION).is_file()
-
-
-def _home(folder: Path) -> Path | None:
-    """The folder of results that this is, or that holds this pilot's folder or configuration."""
-    config = kept_config(folder)
-    home = folder.resolve().parent.parent if config is None else config.resolve().parent
-    if config is None and not (home / CONFIG / EXPERIMENT).is_file():
-        return None
-    here = Path.cwd()
-    below = not folder.is_absolute() and home != here and home.is_relative_to(here)
-    return home.relative_to(here) if below else home
 
 
 def restricted(experiment: Experiment, names: Sequence[str]) -> Experiment:

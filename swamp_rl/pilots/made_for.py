@@ -27,11 +27,14 @@ def made_for(boat: Boat, course: str, step: float) -> Made:
     )
 
 
-def check_made_for(where: Path | str, made: Made | None, boat: Boat, step: float) -> str | None:
+def check_made_for(
+    where: Path | str, made: Made | None, boat: Boat, step: float, named_by: str = "boat"
+) -> str | None:
     """One line where a pilot is to drive another boat of the same thrusters and size; else None.
 
     where: the pilot's folder or name. made: None where the pilot does not tell; one of an earlier version
-    does not tell thrusters and length. UserError for a boat of other thrusters or size, or another step [s].
+    does not tell thrusters and length. named_by: what the user names to have another boat driven. UserError
+    for a boat of other thrusters or size, or another step [s].
     """
     if made is None:
         return None
@@ -39,7 +42,7 @@ def check_made_for(where: Path | str, made: Made | None, boat: Boat, step: float
     if made.build is not None and not made.build.serves(ours):
         raise UserError(
             f"{where}: was made for boat {made.boat} ({made.build}), it cannot drive {boat.name} ({ours}); "
-            f"name a pilot of {boat.name}, or {made.boat}"
+            f"name a pilot of {boat.name}, or {named_by} {made.boat}"
         )
     if abs(made.step / step - 1.0) > STEP_TOLERANCE:
         raise UserError(

@@ -18,7 +18,8 @@ from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.pilots.made_for import made_for
 from swamp_rl.pilots.record import record_scripted
 from swamp_rl.pilots.store import save_pilot
-from swamp_rl.runs import Run, read_dataset
+from swamp_rl.runs import Run, RunMeta, append_run, create_dataset, read_dataset
+from swamp_rl.runs.schema import meta_of
 from tests.support.demo import dataset
 from tests.support.runs import circling
 
@@ -109,6 +110,24 @@ def test_a_pilot_that_observes_what_there_is_not_is_named(
         UserError, match=r"^dreamer:Pilot: observation: unknown name 'nort'; did you mean 'north'"
     ):
         opened_for(asked_pilot("dreamer:Pilot"), BOAT, STEP)
+
+
+def test_a_pilot_alone_drives_its_boat_in_a_run_of_the_experiment_that_it_was_trained_in(
+    tmp_path: Path,
+) -> None:
+    file, home = tmp_path / "launch.yaml", tmp_path / "results"
+    file.write_text("extends: swamp\nname: launch\nlength: 2.0\n")
+    launch = load_boat(file)
+    create_dataset(home / "data", meta_of(launch, str(file), 10.0, "scripted", course="camogli"), file)
+    for name, outcome in (("run-001", "buoy"), ("run-002", "success"), ("run-003", "success")):
+        append_run(home / "data", Run(name, circling(), RunMeta.model_validate({"outcome": outcome})))
+    (home / "config").mkdir()
+    (home / "config" / "experiment.yaml").touch()
+    save_pilot(LineOfSightPilot(), home / "pilots" / "mine", made=made_for(launch, "camogli", STEP))
+    scene = read_shown(["line-of-sight", home / "pilots" / "mine"], [], None)
+    shown = [(item.group, item.name) for item in scene.shown]
+    assert shown == [(who, "run-002") for who in ("scripted", "line-of-sight", "mine")]
+    assert (scene.title, scene.length) == ("results", 2.0)
 
 
 def test_beside_runs_without_a_course_no_pilot_is_flown(tmp_path: Path) -> None:

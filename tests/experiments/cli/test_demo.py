@@ -141,6 +141,7 @@ def test_what_is_asked_wrongly_is_one_line(
             "tables: has no dataset.yaml to tell the boat of its runs; write vehicle: NAME into one",
         ),
         (["other"], "was made for boat launch (5 m, thrusters azimuth jet), it cannot drive swamp (1.24 m"),
+        (["other"], "name a pilot of swamp, or runs of boat launch"),
         (["damaged"], "pilot.json: was changed since it was written"),
         (["pond", "--html", "file/a.html"], "a folder is needed there"),
     ],
