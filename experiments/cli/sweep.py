@@ -27,6 +27,8 @@ def sweep(
 
     def tell(trial: Trial, total: int) -> None:
         what = trial.error or ("no value" if trial.value is None else f"objective {trial.value:.4g}")
+        if trial.summary is not None and trial.value != trial.summary["success_rate"]:
+            what += f", success {100.0 * trial.summary['success_rate']:.3g} %"
         values = ", ".join(f"{key.split('.')[-1]} {value}" for key, value in trial.values.items())
         typer.echo(f"trial {trial.counted} of {total} ({values}): {what}")
 

@@ -81,11 +81,12 @@ def _drawn(sweep: Sweep, numbers: range, earlier: list[Trial]) -> dict[int, Valu
         sampler = optuna.samplers.TPESampler(seed=seed, constant_liar=True)
     study = optuna.create_study(sampler=sampler, direction="maximize")
     ranges = {key: _distribution(parameter) for key, parameter in sweep.parameters.items()}
-    for trial in earlier:
-        if trial.value is not None:
-            drawn = {key: _index(sweep.parameters[key], value) for key, value in trial.values.items()}
-            value = sweep.objective.sign * trial.value
-            study.add_trial(optuna.trial.create_trial(params=drawn, distributions=ranges, value=value))
+    known = [trial for trial in earlier if trial.error is None]
+    ranks = [sweep.objective.rank(trial.value, trial.summary) for trial in known]
+    places = {rank: place for place, rank in enumerate(sorted(set(ranks)))}  # samplers use the order alone
+    for trial, rank in zip(known, ranks, strict=True):
+        drawn = {key: _index(sweep.parameters[key], value) for key, value in trial.values.items()}
+        study.add_trial(optuna.trial.create_trial(params=drawn, distributions=ranges, value=places[rank]))
     asked = {number: study.ask(ranges).params for number in numbers}
     return {
         number: {key: _value(sweep.parameters[key], value) for key, value in drawn.items()}

@@ -38,12 +38,13 @@ def results(sweep: Sweep, fixed: Sequence[str], trials: Mapping[int, Trial]) -> 
     """All of sweep.json."""
     ended = [trials[number] for number in sorted(trials)]
     best = best_of(sweep, ended)
+    least = {"least_success": sweep.objective.needed} if _measures(sweep) else {}
     return {
         "name": sweep.name,
         "description": sweep.description,
         "experiment": sweep.experiment,
         "set": list(fixed),
-        "objective": sweep.objective.model_dump(),
+        "objective": sweep.objective.model_dump() | least,
         "planned": trials_of(sweep),
         "failed": sum(trial.error is not None for trial in ended),
         "best": None
@@ -61,11 +62,10 @@ def results(sweep: Sweep, fixed: Sequence[str], trials: Mapping[int, Trial]) -> 
 
 
 def best_of(sweep: Sweep, trials: Sequence[Trial]) -> Trial | None:
-    """The one with the best value, the first of equals; None where none has a value."""
-    valued = [(trial.value, trial) for trial in trials if trial.value is not None]
-    if not valued:
-        return None
-    return max(valued, key=lambda pair: (sweep.objective.sign * pair[0], -pair[1].number))[1]
+    """The one of the highest rank, the first of equals; None where none has a value."""
+    valued = [trial for trial in trials if trial.value is not None]
+    rank = sweep.objective.rank
+    return max(valued, key=lambda trial: (rank(trial.value, trial.summary), -trial.number), default=None)
 
 
 def _again(sweep: Sweep, fixed: Sequence[str], trial: Trial) -> dict[str, str]:
@@ -79,14 +79,15 @@ def objective_line(sweep: Sweep) -> str:
     """What was swept for, in words."""
     wanted = sweep.objective
     better = "more" if wanted.sign > 0 else "less"
-    return f"{wanted.measure} of {wanted.pilot} at {wanted.level}, {better} is better"
+    above = f", from a success of {100.0 * wanted.needed:g} % on" if _measures(sweep) else ""
+    return f"{wanted.measure} of {wanted.pilot} at {wanted.level}, {better} is better{above}"
 
 
 def rows(sweep: Sweep, trials: Sequence[Mapping[str, Any]], measured: Mapping[str, Any]) -> list[list[str]]:
     """Of the table, the best first and those without a value last."""
 
-    def order(trial: Mapping[str, Any]) -> tuple[bool, float]:
-        return trial["value"] is None, -sweep.objective.sign * (trial["value"] or 0.0)
+    def order(trial: Mapping[str, Any]) -> tuple[bool, tuple[bool, float]]:
+        return trial["summary"] is not None, sweep.objective.rank(trial["value"], trial["summary"])
 
     def outcome(trial: Mapping[str, Any]) -> list[str]:
         if trial["summary"] is None:
@@ -97,7 +98,7 @@ def rows(sweep: Sweep, trials: Sequence[Mapping[str, Any]], measured: Mapping[st
 
     return [
         [str(trial["trial"]), *(str(value) for value in trial["values"].values()), *outcome(trial)]
-        for trial in sorted(trials, key=order)
+        for trial in sorted(trials, key=order, reverse=True)
     ]
 
 
@@ -118,28 +119,39 @@ def _page(sweep: Sweep, found: Mapping[str, Any]) -> str:
         "evaluate it again with another seed before comparing it.",
         "![the objective over each parameter](sweep.png)",
     ]
+    if _measures(sweep):
+        lines.insert(-2, _order_line(sweep, found["trials"]))
     if best is not None:
         lines.insert(-1, f"The best, trial {best['trial']}, in full:\n\n```\n{best['again']}\n```")
     return "\n\n".join(lines) + "\n"
+
+
+def _order_line(sweep: Sweep, trials: Sequence[Mapping[str, Any]]) -> str:
+    """How trials with too few successes are ordered, and how many there are."""
+    wanted = sweep.objective
+    measured = [trial for trial in trials if trial["summary"] is not None]
+    below = sum(not wanted.rank(trial["value"], trial["summary"])[0] for trial in measured)
+    return (
+        f"The {wanted.measure} is the mean over successful episodes. Trials of a success below "
+        f"{100.0 * wanted.needed:g} % come last, in the order of their success: {below} of {len(measured)}, "
+        "open circles."
+    )
 
 
 def _draw(path: Path, sweep: Sweep, trials: Mapping[int, Trial]) -> None:
     """One chart for each parameter, a dot for each trial; success with its interval."""
     valued = [trial for trial in trials.values() if trial.value is not None]
     percent = sweep.objective.measure == "success"
+    enough = [sweep.objective.rank(trial.value, trial.summary)[0] for trial in valued]
+    colours = ["C0" if one else "white" for one in enough]
     with sheet(path, 3.2 * len(sweep.parameters) + 0.6, 3.0) as figure:
         charts = figure.subplots(1, len(sweep.parameters), sharey=True, squeeze=False)[0]
         for axes, (key, parameter) in zip(charts, sweep.parameters.items(), strict=True):
             listed = parameter.grid or parameter.choice
             values = [trial.values[key] for trial in valued]
             places = values if listed is None else _side_by_side([listed.index(value) for value in values])
-            axes.plot(
-                places,
-                [(100.0 if percent else 1.0) * (trial.value or 0.0) for trial in valued],
-                "o",
-                ms=4,
-                zorder=3,
-            )
+            heights = [(100.0 if percent else 1.0) * (trial.value or 0.0) for trial in valued]
+            axes.scatter(places, heights, s=16, c=colours, edgecolors="C0", zorder=3)
             if percent:
                 ends = [trial.summary["wilson_95"] for trial in valued if trial.summary is not None]
                 low, high = 100.0 * np.array(ends).reshape(-1, 2).T

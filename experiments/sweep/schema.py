@@ -1,17 +1,19 @@
 """What a sweep file holds, read strictly."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import yaml
 from pydantic import Field, model_validator
-from swamp_rl.experiments.config.schema import Count, Name, Part, Seed
+from swamp_rl.experiments.config.schema import Count, Name, Part, Rate, Seed
 
 from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, read_yaml, validated
 
 MOST_TRIALS = 100_000
+LEAST_SUCCESS = 0.9
 Listed = Annotated[list[Any], Field(min_length=1)]
 Number = Annotated[float, Field(strict=False)]
 Ends = Annotated[tuple[Number, Number], Field(strict=False)]
@@ -59,18 +61,43 @@ class Parameter(Part):
 
 
 class Objective(Part):
-    """What is measured of one pilot at one level: its success, or a mean cost of its successful episodes."""
+    """What is measured of one pilot at one level: its success, or a mean cost of its successful episodes.
+
+    least_success: for a cost, the success rate from which trials are compared by it, by default 0.9; trials
+    of a lower rate come after all others, in the order of their success.
+    """
 
     pilot: Name
     level: str
     measure: Literal["success", "time", "path_length", "command_change", "energy"] = "success"
     direction: Literal["maximize", "minimize"] | None = None
+    least_success: Rate | None = None
+
+    @model_validator(mode="after")
+    def _is_of_a_cost(self) -> Self:
+        if self.measure == "success" and self.least_success is not None:
+            raise ValueError("least_success: is for other measures than success; drop the key")
+        return self
 
     @property
     def sign(self) -> int:
         """1 where more is better, -1 where less is."""
         better = self.direction or ("maximize" if self.measure == "success" else "minimize")
         return 1 if better == "maximize" else -1
+
+    @property
+    def needed(self) -> float:
+        """The success rate from which trials are compared by the measure."""
+        if self.measure == "success":
+            return 0.0
+        return LEAST_SUCCESS if self.least_success is None else self.least_success
+
+    def rank(self, value: float | None, summary: Mapping[str, Any] | None) -> tuple[bool, float]:
+        """The key by which trials are sorted, the greatest for the best, from a trial's value and summary."""
+        success = summary["success_rate"] if summary is not None else 0.0
+        if value is None or success < self.needed:
+            return False, success
+        return True, self.sign * value
 
 
 class Sweep(Part):

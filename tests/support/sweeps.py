@@ -45,6 +45,12 @@ def formula(job: str) -> str:
     return json.dumps({"value": value, "summary": {"success_rate": value, "wilson_95": ends}})
 
 
+def seldom_is_cheap(job: str) -> str:
+    """The success of a from -1 to 2, and a cost that is the lower the less it succeeds."""
+    success = (json.loads(job)["a"] + 1.0) / 3.0
+    return json.dumps({"value": 10.0 * success, "summary": {"success_rate": success}})
+
+
 def slow_formula(job: str) -> str:
     """Some time in coming."""
     time.sleep(0.2)

@@ -20,9 +20,9 @@ import yaml
 from swamp_rl.experiments.cli.sweep import sweep as sweep_verb
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.sweep.propose import batches_of, propose
-from swamp_rl.experiments.sweep.report import best_of, results, write_report
+from swamp_rl.experiments.sweep.report import best_of, results, rows, write_report
 from swamp_rl.experiments.sweep.run import checked, run_sweep
-from swamp_rl.experiments.sweep.schema import load_sweep, override
+from swamp_rl.experiments.sweep.schema import Sweep, load_sweep, override
 from swamp_rl.experiments.sweep.store import Trial, opened
 
 from swamp_rl.errors import UserError
@@ -33,6 +33,9 @@ from tests.support.sweep_pools import PoolHere, summary_of, swept
 from tests.support.sweeps import DRAWN, sweep_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.timed]
+
+
+COST = {"pilot": "reservoir", "level": "calm", "measure": "energy"}
 
 
 @pytest.mark.parametrize(
@@ -88,10 +91,59 @@ def test_a_search_stays_in_its_ranges_and_finds_more_than_chance(tmp_path: Path)
 
 
 def test_less_is_better_where_the_objective_says_so(tmp_path: Path) -> None:
-    cost = sweep_of(objective={"pilot": "reservoir", "level": "calm", "measure": "energy"})
+    cost = sweep_of(objective={**COST, "least_success": 0.0})
     trials = swept(tmp_path / "cost", cost, PoolHere(sweep_trials.formula, 3, 0))
     best = best_of(cost, list(trials.values()))
     assert best is not None and best.value == min(trial.value or 0.0 for trial in trials.values())
+
+
+def test_a_cost_ranks_trials_that_succeed_and_their_success_the_others(tmp_path: Path) -> None:
+    def trial(number: int, success: float, cost: float | None) -> Trial:
+        summary = {
+            "success_rate": success,
+            "wilson_95": [0.0, 1.0],
+            "episodes": 10,
+            "successes": 10 * success,
+        }
+        return Trial(number, {"a": number}, cost, summary, None, 1, 1.0)
+
+    failed = Trial(5, {"a": 5}, None, None, "ValueError: never works", 3, 1.0)
+    tried = [
+        trial(0, 0.1, 3.0),
+        trial(1, 0.9, 8.0),
+        trial(2, 0.6, 5.0),
+        trial(3, 0.0, None),
+        trial(4, 1.0, 7.0),
+    ]
+    sweep = sweep_of(parameters={"a": {"grid": [0, 1, 2, 3, 4, 5]}}, objective=COST)
+    assert [row[0] for row in table_of(sweep, [*tried, failed])] == ["5", "2", "3", "1", "4", "6"]
+    assert best_of(sweep, tried) == tried[4] and best_of(sweep, tried[:1]) == tried[0]
+    assert best_of(sweep, [tried[3], failed]) is None
+    strict = sweep_of(objective={**COST, "least_success": 0.95})
+    assert [row[0] for row in table_of(strict, tried)] == ["5", "2", "3", "1", "4"]
+    write_report(tmp_path, sweep, [], {one.number: one for one in tried})
+    page = (tmp_path / "sweep.md").read_text()
+    assert "from a success of 90 % on" in page
+    assert "come last, in the order of their success: 3 of 5, open circles" in page
+
+
+def table_of(sweep: Sweep, trials: list[Trial]) -> list[list[str]]:
+    found = results(sweep, [], {trial.number: trial for trial in trials})
+    return rows(sweep, found["trials"], found["measured"])
+
+
+@pytest.mark.parametrize("sampler", ["tpe", "random"])
+def test_a_search_is_drawn_to_success_before_the_cost(tmp_path: Path, sampler: str) -> None:
+    sweep = sweep_of(**{**DRAWN, "objective": COST, "sampler": sampler, "trials": 60})
+    trials = swept(tmp_path / sampler, sweep, PoolHere(sweep_trials.seldom_is_cheap, 3, 0))
+    success = [trials[number].summary["success_rate"] for number in range(60)]  # type: ignore[index]
+    late, early = np.mean(success[30:]), np.mean(success[:10])
+    assert late > 0.8 > early if sampler == "tpe" else late < 0.8
+
+
+def test_a_least_success_beside_the_success_itself_is_refused() -> None:
+    with pytest.raises(ValueError, match="least_success: is for other measures than success; drop the key"):
+        sweep_of(objective={**COST, "measure": "success", "least_success": 0.5})
 
 
 def test_what_fails_is_tried_again_and_then_recorded_as_failed(tmp_path: Path) -> None:
