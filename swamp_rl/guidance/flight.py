@@ -75,15 +75,20 @@ def command_columns(boat: Boat, commands: Array) -> dict[str, Array]:
     return columns
 
 
-def sensing(params: NDArray[Any], dt: float) -> Callable[[list[Array]], Array]:
-    """From the states (n, S) so far to what the sensors of boats with those records report (n, 6).
-
-    On board the clock's error shifts nothing: it acts on the times of a record alone.
+def of_one_clock(params: NDArray[Any]) -> NDArray[Any]:
+    """The records (n,) without an error of the receiver's clock, which acts on the times of another recorder
+    alone.
     """
+    params = params.copy()
+    params["clock_offset"] = params["clock_drift"] = 0.0
+    return params
+
+
+def sensing(params: NDArray[Any], dt: float) -> Callable[[list[Array]], Array]:
+    """From the states (n, S) so far to what sensors on board of boats with those records report (n, 6)."""
     exact = not any(params[name].any() for name in SENSOR_FIELDS)
     tail = 2 + math.ceil(float(params["position_delay"].max()) / dt)
-    on_board = params.copy()
-    on_board["clock_offset"] = on_board["clock_drift"] = 0.0
+    on_board = of_one_clock(params)
 
     def channels(states: list[Array]) -> Array:
         if exact:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
-from swamp_rl.guidance.flight import STEP, sensing
+from swamp_rl.guidance.flight import STEP, of_one_clock, sensing
 from swamp_rl.guidance.heading import Limits
 from swamp_rl.guidance.loop import Seen, closed_loop, seen_of
 from swamp_rl.manoeuvres.approach import Area, approached, waypoints
@@ -49,7 +49,9 @@ class Mark:
 
 @dataclass
 class Executed:
-    """A trial as it went: states (T, S), measured channels (T, 6), commands (T, 2K), marks and notes."""
+    """A trial as it went: states (T, S), measured channels (T, 6) at the times of the commands, commands
+    (T, 2K), marks and notes.
+    """
 
     trial: Trial
     track: Array
@@ -151,7 +153,7 @@ def _sail(
 
     seeds = (seed + np.arange(len(trials))).astype(np.uint64)
     track, rows = closed_loop(boat, params, state, decide, seeds, STEP)
-    measured = observe(track, params, STEP)
+    measured = observe(track, of_one_clock(params), STEP)
     return [
         Executed(
             trials[i],

@@ -156,6 +156,15 @@ def test_the_propellers_ship_does_the_same_trials_by_its_rudder() -> None:
     assert executed.measured[-1, HEADING] > 2 * math.pi
 
 
+def test_a_stopping_trial_is_of_the_boats_own_motion_whatever_the_receivers_clock(tmp_path: Path) -> None:
+    late = with_effects(tmp_path, "{effect: clock_offset, offset: 0.7}")
+    trial = Trial("stopping", 0.6)
+    result = analyse_run(run_of_trial(execute(late, [trial])[0], late, "late", 0), late)
+    usual = analyse_run(run_of_trial(done(trial), load_boat("swamp-light"), "usual", 0), late)
+    assert result.notes == []
+    assert result.figures == usual.figures
+
+
 def test_a_stopping_trial_ends_without_way_and_straight_astern_goes_astern() -> None:
     assert done(Trial("stopping", 0.6)).measured[-1, SURGE] <= 0.0
     astern = done(Trial("straight", 0.6, astern=True, duration=5.0))
