@@ -28,10 +28,10 @@ TIED = 0.7
 SPEEDS = {"kn": 1.0 / KNOT, "km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0, "ft/s": 1.0 / FOOT}
 TURNS = {"deg/s": 180.0 / math.pi, "rpm": 30.0 / math.pi}
 EXCESS = 0.5
-"""Share of the difference between speed and velocity along the heading, above which surge is taken for the
-speed: surge contains none of the difference, the speed all."""
+"""Greatest distance from 1 of the share of the difference between speed and velocity along the heading that
+surge contains, where it is taken for the speed: surge contains none of the difference, the speed all."""
 CERTAIN = 2.5
-"""Standard errors by which the share must exceed `EXCESS`."""
+"""Standard errors by which the share must exceed 1 less `EXCESS`."""
 UNIT_TOLERANCE = 0.25
 """Of the logarithm of a ratio: half the distance between knots and feet per second, or 1 and knots, is 0.23
 and 0.33."""
@@ -210,7 +210,7 @@ def _speed_for_surge(known: Sequence[Motion], given: Array, moved: NDArray[np.co
     rows = float(np.mean([one.rows for one in known]))  # of a window, whose errors are correlated
     error = float(np.sqrt(np.mean(left**2) * rows * np.linalg.inv(by.T @ by)[2, 2])) / along
     share = excess / along
-    if not share - EXCESS > CERTAIN * error:
+    if not 1.0 - EXCESS + CERTAIN * error < share < 1.0 + EXCESS:
         return []
     message = (
         f"is the speed over ground: it contains {with_error(share, error)} of the difference between that "
