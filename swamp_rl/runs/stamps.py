@@ -1,5 +1,6 @@
 """Times as logs write them: seconds, ticks since 1970, ISO 8601, dates and times of spreadsheets."""
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime, timedelta
@@ -27,6 +28,10 @@ PAST_MIDNIGHT = ", past midnight"
 SLOWEST = 10.0
 """s between rows: a log whose numbers are that far apart counts in ms or finer, at up to 100 rows a second.
 A diagnosis needs a row every second."""
+FASTEST = 1e-4
+"""s between rows: no log of a boat is faster."""
+USUAL = 0.1
+"""s between rows."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,8 @@ def from_numbers(stamps: Array, where: str, unit: float | None = None) -> Stamps
     """Numbers (T,) in `unit` [s] as times: ticks since 1970 where the median is of such a size, others NaN.
 
     By default the unit is that of such ticks, else seconds. UserError, which begins with `where`, for a
-    default unit in which the rows are SLOWEST or more apart.
+    default unit, or a given one below 1 s, in which the rows are SLOWEST or more apart, and for a given one
+    in which they are less than FASTEST apart.
     """
     known = stamps[np.isfinite(stamps)]
     middle = float(np.median(known)) if len(known) else np.nan
@@ -68,6 +74,12 @@ def from_numbers(stamps: Array, where: str, unit: float | None = None) -> Stamps
         raise UserError(
             f"{where}: the rows are {step:.3g} s apart if the numbers are {kind}; give their unit, as in "
             "--unit time=ms (us, ns), or time=s for rows so far apart"
+        )
+    if unit is not None and step > 0.0 and (step < FASTEST or (unit < 1.0 and step >= SLOWEST)):
+        likely = min(UNIT, key=lambda ticks: abs(math.log(step / unit / ticks / USUAL)))
+        raise UserError(
+            f"{where}: the rows are {step:.3g} s apart in the unit given, {step / unit / likely:.3g} s in "
+            f"{UNIT[likely]}; correct it, as in --unit time={UNIT[likely]}"
         )
     if ticks is None:
         return Stamps(time, first * (unit or 1.0), None)

@@ -154,6 +154,16 @@ def test_ticks_since_a_boot_need_their_unit(tmp_path: Path, stamps: np.ndarray) 
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize(("given", "ticks", "right"), [("ms", 1e9, "ns"), ("ns", 1e3, "ms")])
+def test_a_unit_of_time_of_which_no_rate_is_plausible_is_refused_with_one_that_is(
+    tmp_path: Path, given: str, ticks: float, right: str
+) -> None:
+    path = table(tmp_path / "log.csv", [f"{ticks * time:.0f}" for time in TIME])
+    with pytest.raises(UserError, match=rf"the rows are .* s apart.*correct it, as in --unit time={right}$"):
+        imported([path], Wishes(units={"time": given}))
+    assert not (tmp_path / "out").exists()
+
+
 @pytest.mark.parametrize(("unit", "step"), [("us", 1e5), ("ms", 100.0), ("s", 0.1)])
 def test_numbers_count_from_the_first_row_in_the_unit_that_is_given(
     tmp_path: Path, unit: str, step: float
