@@ -157,9 +157,9 @@ def _commands(there: Iterable[tuple[Suggestion, frozenset[str]]], boat: Boat) ->
 def _is_named(command: str, words: frozenset[str], percent: bool) -> bool:
     """Whether words of a column's name are of a command, and one of them is its kind; revolutions in percent
     are also named throttle."""
-    kinds = {command.split("_")[0]} | (
-        {"throttle"} if percent and command.startswith("propeller_") else set()
-    )
+    kinds = {command.split("_")[0]}
+    if percent and command.startswith("propeller_"):
+        kinds.add("throttle")
     return bool(kinds & words) and words <= _set_of(command.replace("_", " ")) | kinds
 
 
