@@ -1,5 +1,6 @@
 """Commands by themselves: which never vary, which are cut off at a level."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -8,7 +9,8 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
-from swamp_rl.runs.columns import command_columns
+from swamp_rl.runs.columns import command_columns, command_limits
+from swamp_rl.runs.units import UNITS, factor
 
 Array = NDArray[np.float64]
 
@@ -17,6 +19,10 @@ FEWEST_VISITS = 5
 """Separate stays at an extreme: with fewer a driver may have held the lever there."""
 LARGEST_SHARE = 0.5
 """Of the distinct values' usual number of rows: where every level is held for long, so is the greatest."""
+LITTLE = 0.05
+"""Share of its limit below which a command suggests another unit."""
+FULL = 0.3, 1.02
+"""Span of the largest share of full command in runs that use it."""
 NEVER_SO = 0.02
 """Share of the rows at the extreme from which a cut-off changes what the data show."""
 
@@ -36,6 +42,34 @@ def other_boat_findings(runs: Sequence[Run], boat: Boat) -> list[Finding]:
     message = f"are not of boat {boat.name}, whose commands are {', '.join(own)}"
     advice = "name the boat of these runs by --boat, or the columns by --map in runs import"
     return [Finding("fault", "commands_missing", tuple(others), message, advice)]
+
+
+def small_findings(runs: Sequence[Run], boat: Boat) -> list[Finding]:
+    """Notes of commands that stay below LITTLE of the boat's limits in all runs, with the unit that would
+    explain it."""
+    units = [(run.meta.model_extra or {}).get("units") for run in runs]
+    declared = {name: unit for one in units if isinstance(one, dict) for name, unit in one.items()}
+    found = []
+    for name, limit in command_limits(boat).items():
+        sizes = [np.abs(known) for run in runs if name in run.columns and len(known := _known(run, name))]
+        largest = max((float(size.max()) for size in sizes), default=0.0)
+        if not 0.0 < largest < LITTLE * limit < math.inf:
+            continue
+        message = f"reaches {largest:.3g}, {largest / limit:.2g} of the limit {limit:.4g} of boat {boat.name}"
+        advice = "check its unit, unless the boat was driven so slowly"
+        unit = str(declared.get(name))
+        if unit in UNITS and FULL[0] <= largest / factor(name, unit) / limit <= FULL[1]:
+            advice = f"it was imported with --unit {name}={unit}: check whether the log has {unit}"
+        elif FULL[0] <= largest <= FULL[1]:
+            advice = f"if it is a share of full command, multiply it: --map '{name}=COLUMN*{limit:.9g}'"
+        found.append(
+            Finding("note", "command_small", (name,), message, advice, figures={"share": largest / limit})
+        )
+    return found
+
+
+def _known(run: Run, name: str) -> Array:
+    return run.columns[name][np.isfinite(run.columns[name])]
 
 
 def command_findings(runs: Sequence[Run]) -> list[Finding]:

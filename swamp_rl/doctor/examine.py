@@ -6,7 +6,7 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.clipped import clipped
-from swamp_rl.doctor.commands import command_findings, other_boat_findings
+from swamp_rl.doctor.commands import command_findings, other_boat_findings, small_findings
 from swamp_rl.doctor.filtered import filter_findings
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.finite import finite_runs
@@ -46,7 +46,7 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     found += jumps
     ranges, runs = range_findings(runs)
     found += ranges + stuck_findings(runs, measured) + command_findings(runs)
-    found += [] if boat is None else other_boat_findings(runs, boat)
+    found += [] if boat is None else other_boat_findings(runs, boat) + small_findings(runs, boat)
     even = [run for run in runs if _even(run)]
     moved = [(run, motion_of(run)) for run in even]
     resolved = [run for run, motion in moved if _whole(run) and _is_resolved(motion, boat)]

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from swamp_rl.angles import wrapped
-from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat import Boat, PropellerRudder, load_boat
 from swamp_rl.doctor.examine import examine
 from swamp_rl.logs.import_logs import Reading, import_logs
 from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
 from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
-from swamp_rl.runs.schema import DatasetMeta
+from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.simulator.replay import replay
 from tests.support.doctored import STEP, Columns, driven, faults, late
 from tests.support.from_scratch import number, written
@@ -229,6 +229,44 @@ def test_a_speed_over_ground_in_place_of_surge_is_named_where_a_boat_drifts(unit
     ]
     (found,) = [one for one in faults(fast, twin) if one.code == "surge_is_speed"]
     assert found.figures["share"] == pytest.approx(1.0, abs=0.15)
+
+
+def test_a_surge_that_contains_more_than_the_speed_does_is_not_taken_for_it(twin: Boat) -> None:
+    def more(columns: Columns) -> Columns:
+        excess = np.hypot(columns["surge"], columns["sway"]) - columns["surge"]
+        return {**columns, "surge": columns["surge"] + 5.0 * excess}
+
+    turning = [Run(run.name, more(dict(run.columns))) for run in driven(twin, 0.6)]
+    assert "surge_is_speed" not in {one.code for one in faults(turning, twin)}
+
+
+@pytest.mark.parametrize(
+    ("units", "advice"),
+    [
+        ({}, "check its unit"),
+        ({"throttle_port": "percent"}, "with --unit throttle_port=percent"),
+    ],
+)
+def test_a_command_that_stays_far_below_its_limit_is_noted(
+    units: dict[str, str], advice: str, sound: list[Run], twin: Boat
+) -> None:
+    meta = RunMeta.model_validate({"units": units})
+    small = [Run(run.name, scaled("throttle_port", 0.01)(dict(run.columns)), meta) for run in sound]
+    (found,) = [one for one in examine(small, twin) if one.code == "command_small"]
+    assert found.level == "note" and found.columns == ("throttle_port",) and advice in found.advice
+    assert found.figures["share"] < 0.01 + 1e-9
+
+
+def test_revolutions_that_reach_one_are_noted_as_a_share_of_full_command() -> None:
+    rows = 300
+    columns = {name: np.linspace(0.0, 1.0, rows) for name in ("time", "north", "east", "propeller_main")}
+    run = Run("run", columns | {"time": 0.1 * np.arange(rows), "heading": np.zeros(rows)})
+    larger = load_boat("esso_osaka")
+    (main,) = larger.thrusters
+    assert isinstance(main, PropellerRudder)
+    boat = larger.model_copy(update={"thrusters": (main.model_copy(update={"revolutions_max": 40.0}),)})
+    (found,) = [one for one in examine([run], boat) if one.code == "command_small"]
+    assert "--map 'propeller_main=COLUMN*40'" in found.advice
 
 
 def test_an_exchange_and_a_flip_are_reported_as_the_mapping_that_undoes_them(
