@@ -81,13 +81,14 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], size: tuple[in
     except ImportError as error:
         raise missing("an MP4 needs imageio-ffmpeg", "video", "end the name in .gif") from error
     film = write_frames(str(path), size, fps=rate, codec="libx264", quality=8, macro_block_size=2)
-    film.send(None)
     try:
-        for picture in pictures:
-            with held():  # of half a picture ffmpeg would complain
+        for number, picture in enumerate(pictures):
+            with held():  # of no picture, or of half of one, ffmpeg would complain
+                if number == 0:
+                    film.send(None)  # starts ffmpeg
                 film.send(np.ascontiguousarray(picture))
     except BaseException:
-        with suppress(RuntimeError):  # so that ffmpeg is killed, and does not complain of half a film
+        with suppress(RuntimeError):  # so that ffmpeg ends
             film.throw(RuntimeError())
         raise
     film.close()

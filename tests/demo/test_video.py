@@ -56,11 +56,13 @@ def test_an_mp4_can_be_decoded_and_has_all_frames(tmp_path: Path) -> None:
     found.close()
 
 
+@pytest.mark.parametrize("drawn", [0, 1])
 def test_a_film_that_is_interrupted_ends_its_encoder_without_a_word(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], drawn: int
 ) -> None:
     def pictures(*result: object) -> Iterator[np.ndarray]:
-        yield np.zeros((*SIZES[".mp4"][1::-1], 3), np.uint8)
+        for _ in range(drawn):
+            yield np.zeros((*SIZES[".mp4"][1::-1], 3), np.uint8)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(video, "_pictures", pictures)
