@@ -25,7 +25,7 @@ from swamp_rl.runs import Dataset, Run, read_dataset
 from swamp_rl.runs.check import check_column
 from swamp_rl.runs.table import Table
 from swamp_rl.simulator.replay import replay
-from swamp_rl.whole_number import known_seed
+from swamp_rl.whole_number import whole_number
 
 Model = Literal["yaw-model", "elementary", "thrust-deduction"]
 LISTED = ("throttle", "rpm", "angle_deg", "heading_deg")
@@ -61,7 +61,7 @@ def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0
     of this boat, or if a value is out of range, as in percent or degrees. The limits are the boat's for an
     array, with rows counted from 0; for a run they are those of any boat, with rows counted from 1.
     """
-    vessel, seed = _loaded(boat), known_seed("simulate", seed)
+    vessel, seed = _loaded(boat), whole_number("simulate: seed", seed, 0)
     if isinstance(commands, Run):
         given = commands.columns
         _refuse_out_of_range({name: given[name] for name in _columns(vessel) if name in given}, None, 1)
