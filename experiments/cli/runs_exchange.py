@@ -209,9 +209,9 @@ def _tell(out: Path, made: "DatasetMeta", option: str) -> None:
             told.setdefault(line, []).append(str(run.file))
     for line, files in told.items():
         typer.echo(clipped(f"{and_others(files)}: {line}", LONGEST))
-    without = _without_commands(out, made, option)
-    if without:
-        typer.echo(without)
+    for line in (_without_commands(out, made, option), _without_last_state(out, made)):
+        if line:
+            typer.echo(line)
     rows = sum(run.rows or 0 for run in made.runs)
     typer.echo(
         f"{out}: {counted(len(made.runs), 'run')}, {rows} rows at {made.sample_rate:g} Hz, {made.source}"
@@ -232,6 +232,29 @@ def _without_commands(out: Path, made: "DatasetMeta", option: str) -> str:
     return (
         f"{out}: no commands of boat {boat.name} ({', '.join(commands)}): diagnose and identify need them; "
         f"import with {option} {commands[0]}=THEIRS"
+    )
+
+
+def _without_last_state(out: Path, made: "DatasetMeta") -> str:
+    """A line if runs are incomplete that one step more would have taken through the last gate: a log of
+    observations and the actions that followed has no row of the state after the last action."""
+    from swamp_rl.course.outcome import INCOMPLETE, passes_in_a_step
+    from swamp_rl.runs import read_dataset
+
+    if made.course is None or all(run.outcome != INCOMPLETE for run in made.runs):
+        return ""
+    dataset = read_dataset(out)
+    course, breadth = dataset.course, dataset.boat.breadth
+    assert course is not None
+    ended = [run for run in dataset.runs if run.meta.outcome == INCOMPLETE]
+    tracks = [(run.time, run.stacked(("north", "east"))) for run in ended]
+    short = sum(passes_in_a_step(*track, course, breadth) for track in tracks)
+    if not short:
+        return ""
+    return (
+        f"{out}: {short} of {counted(len(dataset.runs), 'run')} end less than a step before the last gate of "
+        f"{course.name}, so they are incomplete; log the state after the last action too (or --outcome "
+        "success, if all runs passed it)"
     )
 
 

@@ -37,3 +37,13 @@ def outcome_of(time: NDArray[np.float64], track: NDArray[np.float64], course: Co
         if time[t] - time[0] >= course.time_limit - 1e-9:
             return TIMEOUT
     return INCOMPLETE
+
+
+def passes_in_a_step(
+    time: NDArray[np.float64], track: NDArray[np.float64], course: Course, breadth: float
+) -> bool:
+    """Return whether a track, as of `outcome_of`, that repeated its last step once would end in success."""
+    if len(track) < 2:
+        return False
+    one_more = (np.append(known, 2.0 * known[-1:] - known[-2:-1], axis=0) for known in (time, track))
+    return outcome_of(*one_more, course, breadth) == SUCCESS

@@ -6,7 +6,7 @@ from swamp_rl.envs.batched import GatesVectorEnv
 
 from swamp_rl.boat import load_boat
 from swamp_rl.course import load_course
-from swamp_rl.course.outcome import outcome_of
+from swamp_rl.course.outcome import outcome_of, passes_in_a_step
 from swamp_rl.evaluation.rollout import drive
 from swamp_rl.pilots.scripted import ScriptedPilot
 
@@ -48,3 +48,17 @@ def test_a_track_that_stops_on_its_way_is_incomplete() -> None:
     start = COURSE.start.pose
     track = np.array([[start.north, start.east], [start.north + 0.1, start.east]])
     assert outcome_of(np.array([0.0, 0.1]), track, COURSE, BREADTH) == "incomplete"
+
+
+def test_a_log_without_the_state_after_the_last_action_lacks_a_step_to_the_last_gate() -> None:
+    flown = drive(ScriptedPilot(0, None, STEP), boats, np.arange(20))
+    lacking = {}
+    for rows in (1, 2):
+        tracks = [flown.track(i)[:-rows, :2] for i in range(20)]
+        times = [np.arange(len(track)) * STEP for track in tracks]
+        pairs = list(zip(times, tracks, strict=True))
+        assert {outcome_of(*pair, COURSE, BREADTH) for pair in pairs} == {"incomplete"}
+        lacking[rows] = [passes_in_a_step(*pair, COURSE, BREADTH) for pair in pairs]
+    assert lacking[1] == (flown.outcome == "success").tolist() and 0 < sum(lacking[1]) < 20
+    assert not any(lacking[2])
+    assert not passes_in_a_step(np.zeros(1), np.zeros((1, 2)), COURSE, BREADTH)

@@ -4,9 +4,13 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
+from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.experiments.cli import app as cli
 
+from swamp_rl.evaluation import drive
+from swamp_rl.pilots.line_of_sight import LineOfSightPilot
 from swamp_rl.replacement import WRITTEN
 from swamp_rl.runs import read_dataset
 from tests.support.binary_logs import bag
@@ -64,6 +68,24 @@ def test_a_log_becomes_a_dataset_and_goes_out_again(call: Callable[..., Called],
     assert call("check", "day")[0] == 0
     assert call("export", "day", "--to", "mcap", "--out", "bags") == (0, "bags: 1 run\n", "")
     assert sorted(path.name for path in Path("bags").iterdir()) == [WRITTEN, "SHA256SUMS", "log.mcap"]
+
+
+def test_runs_that_lack_the_state_after_the_last_action_are_told(call: Callable[..., Called]) -> None:
+    flown = drive(LineOfSightPilot(), lambda n, senses: GatesVectorEnv(n, observation=senses), np.arange(3))
+    assert flown.outcome.tolist() == ["success"] * 3
+    for i in range(3):
+        poses = flown.track(i)[: -1 if i else None]  # of all but the first, as (observation, action) pairs
+        rows = (f"{0.1 * t:.1f},{n!r},{e!r},{h!r}" for t, (n, e, h) in enumerate(poses.tolist()))
+        Path(f"log{i}.csv").write_text("\n".join(["time,north,east,heading", *rows]) + "\n")
+    code, message, _ = call("import", *sorted(Path().glob("*.csv")), "--course", "camogli", "--out", "day")
+    assert code == 0 and [run.meta.outcome for run in read_dataset("day").runs] == [
+        "success",
+        "incomplete",
+        "incomplete",
+    ]
+    assert "day: 2 of 3 runs end less than a step before the last gate of camogli" in message
+    _, message, _ = call("import", "log0.csv", "--course", "camogli", "--out", "whole")
+    assert "last gate" not in message
 
 
 def test_all_that_is_missing_is_listed_a_line_each(call: Callable[..., Called], log: Path) -> None:
