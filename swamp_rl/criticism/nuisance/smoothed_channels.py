@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 # times 1 / n: variance of a variance of n third differences, correlated as (20, -15, 6, -1) / 20
 OF_A_VARIANCE = 4.6
+OF_TWO_GROWTHS = 6 * OF_A_VARIANCE  # the same of the difference (1, -2, 1) of successive logarithms
 LAGGING = slice(2, 6)  # channels whose lag no effect of the library is
 POSES = slice(0, 3)  # channels that have two integrals of the forces
 
@@ -145,7 +146,7 @@ def _without_motion(variances: Mapping[int, tuple[float, int]]) -> dict[int, flo
     """The variances by stride, to the one from which they grow by a higher power of it than before: those of
     a filter's noise grow ever less, a motion's by its sixth.
     """
-    error = math.sqrt(6.0 * OF_A_VARIANCE / min(number for _, number in variances.values()))
+    error = math.sqrt(OF_TWO_GROWTHS / min(number for _, number in variances.values()))
     (first, (kept, _)), *others = variances.items()
     found, slowest = {first: kept}, math.inf
     for (before, (last, _)), (stride, (variance, _)) in zip(variances.items(), others, strict=False):
