@@ -22,7 +22,7 @@ from swamp_rl.runs.local_frame import Place, to_local
 from swamp_rl.runs.resample import ANGLES, resampled
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta, of_part
-from swamp_rl.runs.stamps import NO_TIME, from_numbers
+from swamp_rl.runs.stamps import FASTEST, NO_TIME, from_numbers
 from swamp_rl.runs.table import Table
 from swamp_rl.runs.units import IN_DEGREES, factor
 
@@ -32,8 +32,6 @@ NO_FIX = "is 0 with longitude 0, as receivers give it without a fix; cut these r
 
 TURN = 2.0 * math.pi + 1e-9
 TIME_OF_DAY = re.compile(r"\d\d:\d\d")
-FASTEST = 20_000.0
-"""Hz that the rows of a log do not come at; at 0.3 Hz, times in days seem to."""
 ROW_ALONE = (
     "is missing",
     "is not a time",
@@ -205,7 +203,7 @@ def _times_in_days(file: str, time: Array) -> list[Fault]:
     """The fault of times that cannot be seconds, as a spreadsheet's, which counts days."""
     steps = np.diff(time[np.isfinite(time)])
     step = float(np.median(steps)) if len(steps) else 0.0
-    if not 0.0 < step < 1.0 / FASTEST:
+    if not 0.0 < step < FASTEST:
         return []
     message = f"the rows are {step:.3g} s apart, as of times in days; give them in s (--unit time=d)"
     return [Fault(file, None, "time", message)]
