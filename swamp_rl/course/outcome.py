@@ -45,5 +45,5 @@ def passes_in_a_step(
     """Return whether a track, as of `outcome_of`, that repeated its last step once would end in success."""
     if len(track) < 2:
         return False
-    one_more = (np.append(known, 2.0 * known[-1:] - known[-2:-1], axis=0) for known in (time, track))
-    return outcome_of(*one_more, course, breadth) == SUCCESS
+    times, places = (np.append(known, 2.0 * known[-1:] - known[-2:-1], axis=0) for known in (time, track))
+    return outcome_of(times, places, course, breadth) == SUCCESS
