@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 # times 1 / n: variance of a variance of n third differences, correlated as (20, -15, 6, -1) / 20
 OF_A_VARIANCE = 4.6
 OF_TWO_GROWTHS = 6 * OF_A_VARIANCE  # the same of the difference (1, -2, 1) of successive logarithms
+THIRD = 3  # strides that a third difference spans
 LAGGING = slice(2, 6)  # channels whose lag no effect of the library is
 POSES = slice(0, 3)  # channels that have two integrals of the forces
 
@@ -34,7 +35,8 @@ def smoothed_channels(run_set: RunSet) -> dict[str, SmoothedNoise]:
     """The smoothed channels by name: standard deviations at the sample rate, from third differences, and of
     the white noise that is as large at low frequencies, lag included; time constant of the filter [s].
     """
-    if run_set.dt * reference_of(run_set.boat).rate > options().smoothed_step:
+    rows = 1.0 / (run_set.dt * reference_of(run_set.boat).rate)  # in the time of a length at top speed
+    if rows * options().smoothed_step < 1.0:
         return {}
     own = np.where(repeated_samples(run_set.measured), np.nan, run_set.measured)
     inside = np.arange(own.shape[1]) < run_set.lengths[:, None]
@@ -45,7 +47,7 @@ def smoothed_channels(run_set: RunSet) -> dict[str, SmoothedNoise]:
         values = own[..., index]
         if np.isfinite(values[inside]).mean() < options().own_samples:
             continue
-        made = _smoothing(values, activity, run_set.dt, lags=index >= LAGGING.start)
+        made = _smoothing(values, activity, run_set.dt, rows, lags=index >= LAGGING.start)
         if made is None or made.sample_noise <= least[index]:
             continue
         if index >= POSES.stop or not _has_floor(run_set.measured[..., index]):
@@ -66,9 +68,10 @@ def command_activity(run_set: RunSet) -> Array:
     return np.asarray(np.cumsum(np.nan_to_num(steps).sum(axis=2), axis=1))
 
 
-def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> SmoothedNoise | None:
+def _smoothing(values: Array, activity: Array, dt: float, rows: float, lags: bool) -> SmoothedNoise | None:
     """Of one channel (R, T), None where its noise is white: judged where commands change as little over the
-    longer stride as over one sample, so that both differences hold as little of the motion.
+    longer stride as over one sample, so that both differences hold as little of the motion. rows: in the time
+    of a length at top speed.
     """
     before = steps_over(options().settled, dt)
     of_strides = {s: _third_differences(values, activity, s, before) for s in options().strides}
@@ -87,7 +90,7 @@ def _smoothing(values: Array, activity: Array, dt: float, lags: bool) -> Smoothe
     ):
         return None
     variances = {s: _variance(*own, _median_rate(*own)) for s, own in of_strides.items()}
-    measured = _without_motion({stride: one for stride, one in variances.items() if one is not None})
+    measured = _without_motion({stride: one for stride, one in variances.items() if one is not None}, rows)
     pole, longest = _pole(measured), max(measured)
     if (
         third_difference_variance(pole, options().judged_stride) / third_difference_variance(pole, 1)
@@ -114,7 +117,7 @@ def _third_differences(values: Array, activity: Array, stride: int, before: int)
     """(R, N) third differences over a stride, and (R, N) change of commands in a row, from `before` rows
     before their first samples on; N is 0 in runs too short.
     """
-    span = 3 * stride
+    span = THIRD * stride
     if values.shape[1] <= span + before:
         return np.zeros((len(values), 0)), np.zeros((len(values), 0))
     differences = values[:, span:] - values[:, :-span]
@@ -142,9 +145,9 @@ def _variance(differences: Array, rate: Array, quiet: float) -> tuple[float, int
     return (float(np.mean(near**2)), len(near)) if noise else None
 
 
-def _without_motion(variances: Mapping[int, tuple[float, int]]) -> dict[int, float]:
-    """The variances by stride, to the one from which they grow by a higher power of it than before: those of
-    a filter's noise grow ever less, a motion's by its sixth.
+def _without_motion(variances: Mapping[int, tuple[float, int]], rows: float) -> dict[int, float]:
+    """The variances by stride, to the one beyond the time of a length (rows) from which they grow by a higher
+    power of it than before: those of a filter's noise grow ever less, a motion's by its sixth.
     """
     error = math.sqrt(OF_TWO_GROWTHS / min(number for _, number in variances.values()))
     (first, (kept, _)), *others = variances.items()
@@ -152,7 +155,7 @@ def _without_motion(variances: Mapping[int, tuple[float, int]]) -> dict[int, flo
     for (before, (last, _)), (stride, (variance, _)) in zip(variances.items(), others, strict=False):
         doublings = math.log(stride / before)
         growth = math.log(variance / last) / doublings
-        if growth > slowest + options().motion_certainty * error / doublings:
+        if growth > slowest + options().motion_certainty * error / doublings and THIRD * stride > rows:
             break
         found[stride], slowest = variance, min(growth, slowest)
     return found
