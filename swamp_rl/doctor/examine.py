@@ -57,8 +57,8 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
 
 
 def _motion_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Finding]:
-    """Of the kinematics and of the answer to the commands. Where north and east are exchanged or the heading
-    is of another frame, a boat that answers as its mirror image says which of the two it is.
+    """Of the kinematics and of the response to the commands. Exchanged axes and a heading of another frame
+    have the same kinematics: the one is chosen for which the response is not that of a mirror image.
     """
     kinematic, corrected = kinematic_findings(motions)
     response = response_findings(corrected, boat)

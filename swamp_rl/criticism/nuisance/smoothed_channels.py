@@ -90,7 +90,9 @@ def _smoothing(values: Array, activity: Array, dt: float, rows: float, lags: boo
     ):
         return None
     variances = {s: _variance(*own, _median_rate(*own)) for s, own in of_strides.items()}
-    measured = _without_motion({stride: one for stride, one in variances.items() if one is not None}, rows)
+    measured = _without_motion(
+        {stride: one for stride, one in variances.items() if one and one[0] > 0.0}, rows
+    )
     pole, longest = _pole(measured), max(measured)
     if (
         third_difference_variance(pole, options().judged_stride) / third_difference_variance(pole, 1)
