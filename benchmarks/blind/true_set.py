@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import CHANNELS, read_run_set
+from swamp_rl.criticism.likelihood.gauss_markov import white_noise
 from swamp_rl.criticism.model.candidates import EffectInstance, joined
 from swamp_rl.criticism.selection.backward_elimination import fit_by_continuation
 from swamp_rl.criticism.selection.continuation import LAST, Continuation, continuation_of
@@ -38,8 +39,8 @@ def criterion_of_truth(data: Path, truth: Judged, found: Judged) -> float | None
     if truth["outside"] or truth.get("by_run") or any(cause["scope"] != "boat" for cause in causes):
         return None
     run_set = read_run_set(data, load_boat(truth.get("boat", "swamp")))
-    run_set = replace(run_set, gauss_markov=_position_noise(found))
     known = prepared(run_set)
+    run_set = replace(run_set, gauss_markov=_position_noise(found, known.sigmas))
     hull = [known.hull] if known.hull else []
     instances = {
         _key(one.effect.name, one.selectors): one for one in [*known.instances, *hull] if not one.groups
@@ -55,16 +56,22 @@ def criterion_of_truth(data: Path, truth: Judged, found: Judged) -> float | None
     return _criterion(continuation, true) - _criterion(continuation, lines)
 
 
-def _position_noise(found: Judged) -> NDArray[np.float64] | None:
-    """(6, 2) Gauss-Markov noise of the positions that an answer tells; None where they have none."""
+def _position_noise(found: Judged, sigmas: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """(6, 3) Gauss-Markov noise of the positions that an answer tells; None where they have none.
+
+    sigmas: (6,) standard deviations that channels are weighted by.
+    """
     entries = {name: one for name, one in found.get("wandering", {}).items() if name in POSITIONS}
-    rows = [
-        (entries[name]["standard_deviation"], entries[name]["time_constant_s"])
-        if name in entries
-        else (0.0, 0.0)
-        for name in CHANNELS
-    ]
-    return np.array(rows) if entries else None
+    made = white_noise()
+    for index, name in enumerate(CHANNELS):
+        if name in entries:
+            one = entries[name]
+            made[index] = (
+                one["standard_deviation"],
+                one["time_constant_s"],
+                found["noise"][name] / sigmas[index],
+            )
+    return made if entries else None
 
 
 def _key(effect: str, thrusters: Sequence[str]) -> Key:

@@ -41,6 +41,7 @@ from swamp_rl.criticism.inference.special_cases import with_sufficient_special_c
 from swamp_rl.criticism.inference.unidentifiable import with_neutral_values
 from swamp_rl.criticism.likelihood.adequacy import adequacy
 from swamp_rl.criticism.likelihood.cross_validation import bootstrap_interval, heldout_loss
+from swamp_rl.criticism.likelihood.gauss_markov import WHITE
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.likelihood.prediction_error import gains, no_better, trivial_predictors
@@ -218,7 +219,7 @@ def examine(
         missing_motion=lacks,
         gain=gains(on.run_set, on.weight, *on.numbers(*predicting), rng),
         gain_on="other_runs" if other else "same_run" if len(run_set.lengths) == 1 else "each_run_in_turn",
-        noise=noise,
+        noise=noise | _white_beside(with_noise, noise),
         wandering=_gauss_markov_noise(with_noise),
         smoothed=known.smoothed,
         adequacy={"worst_excess": measure.worst, "channel": measure.channel, "adequate": found.adequate},
@@ -286,8 +287,19 @@ def _gauss_markov_noise(run_set: RunSet) -> dict[str, GaussMarkovNoise]:
         return {}
     return {
         name: GaussMarkovNoise(standard_deviation=float(size), time_constant_s=float(seconds))
-        for name, (size, seconds) in zip(CHANNELS, run_set.gauss_markov, strict=True)
+        for name, (size, seconds, _) in zip(CHANNELS, run_set.gauss_markov, strict=True)
         if size > 0
+    }
+
+
+def _white_beside(run_set: RunSet, noise: Mapping[str, float]) -> dict[str, float]:
+    """The white part of each channel's noise, which is less beside a Gauss-Markov part."""
+    if run_set.gauss_markov is None:
+        return {}
+    return {
+        name: noise[name] * float(white)
+        for name, white in zip(CHANNELS, run_set.gauss_markov[:, WHITE], strict=True)
+        if name in noise
     }
 
 

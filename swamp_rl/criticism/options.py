@@ -95,8 +95,8 @@ class Options:
     wander_times: tuple[float, ...] = (1.0, 3.0, 10.0, 30.0, 100.0)  # s, time constants tried
     # standard deviations tried, in those of the white noise
     wander_sizes: tuple[float, ...] = tuple(0.15 * 2.0**k for k in range(12))
-    # factors between points of the finer grids: of sizes, of times
-    wander_finer: tuple[tuple[float, float], ...] = ((1.41, 1.8), (1.19, 1.34))
+    wander_white: float = 0.05  # least white part of positions beside it, in that of third differences
+    wander_step: float = 1e-4  # of the logarithms of size, time and white part, of the finite difference
     wander_gain: float = 25.0  # of 2 log likelihood: 5 standard errors
     # ---- Initial states
     smoothing_span: float = 1.0  # s to either side that an initial state is smoothed over
@@ -157,6 +157,7 @@ class Options:
     other_shares: tuple[float, ...] = (0.5, -1.0, 2.0)  # of the change: other commands that a gap may hide
     other_share_gain: float = 9.0  # chi2 that such a command must save: 3 standard errors
     longest_gap: int = 5  # rows: commands of longer gaps are not estimated
+    returned_command: float = 0.01  # share of stretches as long that hide a change, from which one may
     jump_ratio: float = 2.0  # of a ramp as steep as beside a gap: a larger change over it is a jump
     gap_rounds: int = 5  # iterations for the initial state of each window
     # ---- Weights from the model error

@@ -11,7 +11,7 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import Gap
 from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.inference.estimate import causes_of
-from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov, kalman_filter
+from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov, kalman_filter, white_noise
 from swamp_rl.criticism.model.candidates import Hypothesis, candidates
 from swamp_rl.criticism.selection import model_selection
 from swamp_rl.criticism.selection.backward_elimination import Selection
@@ -30,17 +30,18 @@ def windows(count: int, rows: int) -> Windows:
     return Windows(own, 0 * own, np.full(count, rows - 1), np.zeros((count, rows, 6)), weight, 0, rows)
 
 
-def test_the_filter_gives_the_likelihood_of_the_whole_covariance() -> None:
+@pytest.mark.parametrize("white", [1.0, 0.4])
+def test_the_filter_gives_the_likelihood_of_the_whole_covariance(white: float) -> None:
     rows, size, seconds = 12, 2.0, 0.7
-    slow = np.zeros((6, 2))
-    slow[0] = size, seconds
+    slow = white_noise()
+    slow[0] = size, seconds, white
     cut = windows(2, rows)
     made = kalman_filter(cut, slow, DT)
     values = np.random.default_rng(0).standard_normal((1, 2, rows, 6))
     values *= cut.weight
     innovation = made.whitened(values.copy())[0, :, :, 0]
     apart = np.abs(np.subtract.outer(np.arange(rows), np.arange(rows))) * DT
-    covariance = np.eye(rows) + size**2 * np.exp(-apart / seconds)
+    covariance = white**2 * np.eye(rows) + size**2 * np.exp(-apart / seconds)
     for w in range(2):
         seen = cut.weight[w, :, 0] > 0
         truth = multivariate_normal(cov=covariance[np.ix_(seen, seen)]).logpdf(values[0, w, seen, 0])
@@ -60,9 +61,24 @@ def test_size_and_time_constant_are_estimated_and_are_zero_for_white_noise(chann
     slow = fit_gauss_markov(cut, values * cut.weight, DT)
     assert np.flatnonzero(slow[:, 0]).tolist() == list(channels)
     assert (slow[channels, :] == slow[channels[0]]).all()
-    size, seconds = slow[channels[0]]
+    size, seconds, white = slow[channels[0]]
+    assert white == 1.0
     assert 0.8 * 3.4 < size < 1.25 * 3.4
     assert 0.7 * 17.0 < seconds < 1.4 * 17.0
+
+
+def test_white_noise_beside_a_process_may_be_less_than_third_differences_say() -> None:
+    rng = np.random.default_rng(5)
+    cut = windows(60, 300)
+    values = 0.3 * rng.standard_normal(cut.weight.shape)
+    for channel in (0, 1):
+        values[..., channel] += gauss_markov_noise(rng, (60, 300), 8.0, 20.0)
+    size, seconds, white = fit_gauss_markov(cut, values * cut.weight, DT, least_white=0.05)[0]
+    assert size == pytest.approx(8.0, rel=0.15)
+    assert seconds == pytest.approx(20.0, rel=0.3)
+    assert white == pytest.approx(0.3, rel=0.1)
+    *_, held = fit_gauss_markov(cut, values * cut.weight, DT)[0]
+    assert held == 1.0
 
 
 def test_a_position_that_was_not_measured_has_no_noise() -> None:

@@ -29,6 +29,7 @@ CONSTANTS = {
     *("FIRST_ACTUATOR", "STATES", "AXES_OF", "COMPONENTS", "QUANTITIES", "MIDDLE", "LAST", "CORRECTED"),
     *("ONE_RUN", "NONE", "NOWHERE", "NOTHING", "NO_ACCELERATION", "POWER", "NORMAL_OF_MAD", "OF_A_VARIANCE"),
     *("OF_TWO_GROWTHS", "THIRD", "POSES", "GAIN_OF_THIRD_DIFFERENCE", "SPREAD", "Z95", "CHI2_95", "TINY"),
+    *("SIZE", "SECONDS", "WHITE"),
 }
 PLAIN = (0.0, 0.5, 1.0, 2.0, 100.0)  # arithmetic: halves, squares, percent
 NEGLIGIBLE, HUGE = 1e-6, 1e30  # guards against a division by zero and steps of differences; overflow

@@ -77,8 +77,8 @@ def test_white_noise_has_the_estimated_deviation_and_no_correlation() -> None:
 
 
 def test_a_wandering_position_has_the_estimated_size_and_time_constant() -> None:
-    wander = np.zeros((6, 2))
-    wander[:2] = [[0.8, 5.0], [0.8, 5.0]]
+    wander = np.tile([0.0, 0.0, 1.0], (6, 1))
+    wander[:2, :2] = 0.8, 5.0
     noise = sensor_noise(np.full(6, 1e-9), {}, wander, DT)
     drawn = noise.drawn(np.random.default_rng(2), 40, 4000, DT)[..., :2]
     assert drawn.std() == pytest.approx(0.8, rel=0.05)

@@ -73,7 +73,7 @@ def in_shallow_water(depth_over_draught: float, position: float, heading: float,
     measured[..., :2] += gauss_markov_noise(rng, (*shape, 2), 0.5, 60.0)
     measured[..., 2] += heading * rng.standard_normal(shape)
     measured[..., 3:] = np.nan
-    slow = np.where(np.arange(6)[:, None] < 2, [0.5, 60.0], 0.0)
+    slow = np.where(np.arange(6)[:, None] < 2, [0.5, 60.0, 1.0], [0.0, 0.0, 1.0])
     return continued(replace(made, measured=measured, gauss_markov=slow))
 
 

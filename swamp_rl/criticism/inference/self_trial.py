@@ -14,6 +14,7 @@ from swamp_rl.criticism.data.measurement_noise import repeated_samples
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.inference.linearised_selection import linearised_answers
+from swamp_rl.criticism.likelihood.gauss_markov import SECONDS, SIZE, WHITE
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.nuisance.smoothed_channels import third_difference_variance
@@ -78,7 +79,7 @@ def sensor_noise(
     """The noise that a diagnosis estimated.
 
     sigmas: (6,) by channel, NaN where nothing was measured; smoothed: channels whose noise is white noise
-    behind a filter of first order; gauss_markov: (6, 2) as in `RunSet`.
+    behind a filter of first order; gauss_markov: (6, 3) as in `RunSet`.
     """
     white = np.where(np.isfinite(sigmas), sigmas, 0.0)
     filtered = np.zeros((len(CHANNELS), 2))
@@ -88,7 +89,9 @@ def sensor_noise(
             pole = math.exp(-dt / one.time_constant_s)
             power = 20 * one.sample_noise**2 / third_difference_variance(pole, 1)
             white[channel], filtered[channel] = 0.0, (math.sqrt(power), one.time_constant_s)
-    parts = [*([filtered] if smoothed else []), *([] if gauss_markov is None else [gauss_markov])]
+    parts = [filtered] if smoothed else []
+    if gauss_markov is not None:
+        white, parts = white * gauss_markov[:, WHITE], [*parts, gauss_markov[:, [SIZE, SECONDS]]]
     return SensorNoise(white, np.array(parts).reshape(-1, len(CHANNELS), 2))
 
 

@@ -173,10 +173,10 @@ def whiten(values: Any, keep: Any, gain: Any, scale: Any) -> None:
 
 
 @compiled(entry=True)
-def filter_gains(power: Any, keep: Any, seen: Any, gain: Any, scale: Any) -> None:
+def filter_gains(power: Any, white: Any, keep: Any, seen: Any, gain: Any, scale: Any) -> None:
     """Fill gain and 1 / innovation standard deviation (W, T, C) of the Kalman filter that `whiten` runs.
 
-    power: (C,) variance of the Gauss-Markov part, in that of the white noise; keep: (C,); seen: (W, T, C).
+    power, white: (C,) variances of the Gauss-Markov and of the white part; keep: (C,); seen: (W, T, C).
     """
     for w in range(seen.shape[0]):
         for c in range(seen.shape[2]):
@@ -185,6 +185,6 @@ def filter_gains(power: Any, keep: Any, seen: Any, gain: Any, scale: Any) -> Non
                 if t > 0:
                     unknown = keep[c] * keep[c] * unknown + (1.0 - keep[c] * keep[c]) * power[c]
                 if seen[w, t, c]:
-                    gain[w, t, c] = unknown / (unknown + 1.0)
-                    scale[w, t, c] = 1.0 / np.sqrt(unknown + 1.0)
+                    gain[w, t, c] = unknown / (unknown + white[c])
+                    scale[w, t, c] = 1.0 / np.sqrt(unknown + white[c])
                     unknown *= 1.0 - gain[w, t, c]

@@ -120,8 +120,8 @@ def measurement_noise_gain(white: Fit, aware: Shooting, at: Fit) -> float:
 class ModelError:
     """Windows weighted by the model error, and the fit whose residual it was estimated from.
 
-    errors: (6, 2) standard deviation [the channel's unit] of the residual, 0 where nothing was measured, and
-    its correlation time [s].
+    errors: (6, 3) standard deviation [the channel's unit] of the residual, 0 where nothing was measured, its
+    correlation time [s], and 1 for the white noise beside it.
     """
 
     problem: Shooting
@@ -169,7 +169,7 @@ def model_error(
     sizes = np.where(seen.any(axis=(0, 1)), sigma, 0.0)
     times = np.full(len(CHANNELS), 0.5 * samples * run_set.dt)
     made = fit(problem, hypothesis, x, states, steps)
-    return ModelError(problem, made, np.column_stack([sizes, times]))
+    return ModelError(problem, made, np.column_stack([sizes, times, np.ones(len(CHANNELS))]))
 
 
 def in_noise_units(at: Fit, problem: Shooting, weight: Array) -> Fit:

@@ -8,13 +8,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.data.run_set import POSITIONS, RunSet
+from swamp_rl.criticism.data.run_set import CHANNELS, POSITIONS, RunSet
 from swamp_rl.criticism.likelihood.adequacy import adequacy, near
-from swamp_rl.criticism.likelihood.gauss_markov import fit_gauss_markov
+from swamp_rl.criticism.likelihood.gauss_markov import SIZE, fit_gauss_markov, white_noise
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
 from swamp_rl.criticism.nuisance.process_noise import measurement_noise_gain, process_noise_gain
+from swamp_rl.criticism.nuisance.smoothed_channels import smoothed_channels
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import (
     Nuisance,
@@ -38,6 +39,7 @@ Array = NDArray[np.float64]
 Source = Literal["measurement", "process"] | None
 
 OTHERS = slice(2, 6)
+POSITION_NAMES = frozenset(CHANNELS[POSITIONS])
 TINY = 1e-9  # floor of sizes and times in logarithms
 
 
@@ -156,7 +158,7 @@ def _with_reconstruction(
 def _beside_position_noise(continuation: Continuation, winner: Fit, noise: Array) -> Fit | None:
     """The simplest hypothesis whose residual on the middle windows is position noise alone, as it stands or
     with reconstructed commands: the boat file, the likeliest single effect, the best of whole runs, the
-    winner; or None. noise: (6, 2) beside the winner, which is not position noise alone.
+    winner; or None. noise: (6, 3) beside the winner, which is not position noise alone.
     """
     every = [continuation.boat_file(MIDDLE), _likeliest_single(continuation)]
     every += [best_on_whole_runs(continuation, winner), winner]
@@ -181,10 +183,10 @@ def _likeliest_single(continuation: Continuation) -> Fit | None:
 
 def _is_left_by_commands(continuation: Continuation, at: Fit, noise: Array) -> bool:
     """Whether a hypothesis leaves white noise on the middle windows beside the position part of a noise
-    (6, 2) and with reconstructed commands, but not with the logged ones.
+    (6, 3) and with reconstructed commands, but not with the logged ones.
     """
     slow = _only_positions(noise)
-    if not slow.any():
+    if not (slow[:, SIZE] > 0).any():
         return False
     noisy = replace(continuation.run_set, gauss_markov=slow)
     beside = continuation_of(noisy, continuation.problems[0].weight)
@@ -193,7 +195,7 @@ def _is_left_by_commands(continuation: Continuation, at: Fit, noise: Array) -> b
 
 
 def _of_positions_alone(noise: Array) -> bool:
-    """Whether Gauss-Markov noise (6, 2) is in positions and in no other channel."""
+    """Whether Gauss-Markov noise (6, 3) is in positions and in no other channel."""
     return bool((noise[POSITIONS, 0] > 0).any() and not (noise[OTHERS, 0] > 0).any())
 
 
@@ -252,7 +254,7 @@ def _with_position_noise(
 
 
 def slowest_noise(continuation: Continuation, winner: Fit) -> Array:
-    """(6, 2) Gauss-Markov position noise beside a hypothesis, from whole runs unless these leave more beside
+    """(6, 3) Gauss-Markov position noise beside a hypothesis, from whole runs unless these leave more beside
     it, as of a boat that is unstable on course.
     """
     whole = continuation.at(LAST, winner)
@@ -292,8 +294,8 @@ def is_adequate_on_longer(continuation: Continuation, winner: Fit) -> bool:
 
 
 def nearly_equal(one: Array, other: Array) -> bool:
-    """Whether two Gauss-Markov processes (6, 2) differ by no more than the grid of their estimates."""
-    size, time = np.abs(np.log(np.maximum(one, TINY) / np.maximum(other, TINY))).T
+    """Whether two Gauss-Markov processes (6, 3) differ by no more than the grid of their estimates."""
+    size, time, _ = np.abs(np.log(np.maximum(one, TINY) / np.maximum(other, TINY))).T
     return bool((size < options().noise_unchanged[0]).all() and (time < options().noise_unchanged[1]).all())
 
 
@@ -305,7 +307,7 @@ def correlated_noise(continuation: Continuation, winner: Fit, stage: int) -> Sou
 
 
 def _residual_noise(continuation: Continuation, winner: Fit, stage: int) -> tuple[Source, Array]:
-    """The source as of `correlated_noise`, and the Gauss-Markov noise (6, 2).
+    """The source as of `correlated_noise`, and the Gauss-Markov noise (6, 3).
 
     The noise is estimated again beside a fit that includes it. Process noise also correlates positions: the
     larger likelihood decides.
@@ -320,7 +322,7 @@ def _residual_noise(continuation: Continuation, winner: Fit, stage: int) -> tupl
 
 
 def _position_noise_beside(problem: Shooting, at: Fit) -> tuple[Array, float, bool]:
-    """Gauss-Markov noise (6, 2) beside a fit, the gain in 2 log likelihood by that of the positions, none
+    """Gauss-Markov noise (6, 3) beside a fit, the gain in 2 log likelihood by that of the positions, none
     where other channels have noise or process noise is the more likely, and whether a fit with it leaves
     little more than white noise.
     """
@@ -331,7 +333,7 @@ def _position_noise_beside(problem: Shooting, at: Fit) -> tuple[Array, float, bo
 
 
 def _fit_with_noise(problem: Shooting, white: Fit) -> tuple[Array, Shooting, Fit]:
-    """(6, 2) Gauss-Markov noise beside a fit that includes its position part, the windows with that part and
+    """(6, 3) Gauss-Markov noise beside a fit that includes its position part, the windows with that part and
     the fit to them.
     """
     aware, at, noise = problem, white, _gauss_markov_noise(problem, white)
@@ -346,9 +348,12 @@ def _fit_with_noise(problem: Shooting, white: Fit) -> tuple[Array, Shooting, Fit
 
 
 def _only_positions(noise: Array) -> Array:
-    return np.where(np.arange(len(noise))[:, None] < POSITIONS.stop, noise, 0.0)
+    return np.where(np.arange(len(noise))[:, None] < POSITIONS.stop, noise, white_noise())
 
 
 def _gauss_markov_noise(problem: Shooting, at: Fit) -> Array:
     base = problem.track(at.hypothesis, at.x, at.states)
-    return fit_gauss_markov(problem.windows, problem.difference(base) * problem.windows.weight, problem.dt)
+    difference = problem.difference(base) * problem.windows.weight
+    smoothed = POSITION_NAMES & smoothed_channels(problem.run_set).keys()  # whose weight is no white noise's
+    least_white = 1.0 if smoothed else options().wander_white
+    return fit_gauss_markov(problem.windows, difference, problem.dt, least_white)
