@@ -1,12 +1,16 @@
 """Commands and initial states at lost rows."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from swamp_rl.experiments.synthetic.cases import write_runs
 
+from swamp_rl.api import simulate
+from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import Gap, RunSet
+from swamp_rl.criticism.data.run_set import Gap, RunSet, read_run_set
 from swamp_rl.criticism.data.windows import cut
 from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
 from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian
@@ -127,6 +131,24 @@ def test_a_part_of_the_runs_has_their_gaps_and_copies_with_other_commands_have_n
     part, copies = log.subset([1, 2]), log.copies([2, 2], log.commands[[2, 2]])
     assert part.gaps == part.filled == (Gap(1, 20, 2),)
     assert copies.gaps == copies.filled == ()
+
+
+@pytest.mark.parametrize(("period", "unknown"), [(6.0, True), (np.inf, False)])
+def test_lost_rows_longer_than_commands_are_held_for_may_hide_a_change(
+    tmp_path: Path, period: float, unknown: bool
+) -> None:
+    """Four seconds are lost between rows of equal commands, which a zig-zag changes every three seconds."""
+    boat, time = load_boat("swamp-light"), 0.1 * np.arange(600)
+    given = np.full((600, 8), 0.5)
+    given[:, :4] = np.where(time % period < 0.5 * period, 0.3, -0.3)[:, None]
+    given[550:, 4:] = 0.9
+    sailed = simulate(boat, given)
+    kept = np.ones(len(sailed.time), dtype=bool)
+    kept[225:265] = kept[405] = False  # both rows beside are of the same side
+    columns = {key: values[kept] for key, values in sailed.columns.items()}
+    write_runs(tmp_path, "swamp-light", boat, [columns], "scripted", "csv", rate=10.0)
+    gaps = read_run_set(tmp_path, boat).gaps
+    assert gaps == ((Gap(0, 225, 40),) if unknown else ())
 
 
 def test_smoothing_is_exact_on_a_parabola_and_on_a_line_through_two_samples() -> None:

@@ -38,7 +38,9 @@ UNITS = ("m", "m", "rad", "m/s", "m/s", "rad/s")
 
 @dataclass(frozen=True)
 class Gap:
-    """`rows` lost rows from `row` on, over which the command changed to an unknown time."""
+    """`rows` lost rows from `row` on, in which the command is unknown: it is another after them, or may have
+    changed and returned.
+    """
 
     run: int
     row: int
@@ -68,8 +70,9 @@ class RunSet:
     dt: sample step [s]; commands: (R, T, 2K), interpolated linearly over missing rows; measured: (R, T,
     6) in the order of CHANNELS (SI, rad, heading unwrapped), NaN where there is none; lengths: (R,)
     samples of each run; gaps: where the commands are unknown; filled: those in which the best-fitting
-    ones were chosen; gauss_markov: (6, 2) standard deviation [the channel's unit] and time constant [s]
-    of the Gauss-Markov part of the noise, None where it is white; too_short: names of runs that are left
+    ones were chosen; gauss_markov: (6, 3) standard deviation [the channel's unit] and time constant [s]
+    of the Gauss-Markov part of the noise, and the standard deviation of the white part beside it in that
+    of `noise_levels`, None where all noise is white; too_short: names of runs that are left
     out; weather: (R or 0, T, 3), rows of `measured_weather`; ignored: the same with the measured wind,
     where that was left out; origin: the run that each is a part of, itself where empty; days: the group
     that a dataset gives each run, or none; within: (R, T, parts, 2K) commands in the parts of each row
@@ -259,7 +262,7 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
         commands[index, len(command) :] = command[-1]
         measured[index, : len(track)] = track
     lengths = np.array([len(track) for _, track, _ in placed])
-    gaps = tuple(Gap(index, *lost) for index, (_, _, every) in enumerate(placed) for lost in every)
+    gaps = _gaps([(filled, lost) for filled, _, lost in placed])
     names = tuple(run.name for run in runs)
     short = tuple(run.name for run in every if run.duration < options().shortest_run)
     days = tuple(run.meta.group or run.name for run in runs)
@@ -301,8 +304,8 @@ def _on_grid(run: Run, boat: Boat, dt: float, folder: str) -> tuple[Array, Array
 
 
 def _filled(index: NDArray[np.int64], commands: Array) -> tuple[Array, list[tuple[int, int]]]:
-    """Commands (T, 2K) of every row, interpolated over missing rows, and (row, rows) of each gap over which
-    they changed. An azimuth that changes by more than a quarter turn is held, not interpolated.
+    """Commands (T, 2K) of every row, interpolated over missing rows, and (row, rows) of those. An azimuth
+    that changes by more than a quarter turn is held, not interpolated.
     """
     rows = np.arange(index[-1] + 1)
     last = np.searchsorted(index, rows, side="right") - 1
@@ -311,8 +314,44 @@ def _filled(index: NDArray[np.int64], commands: Array) -> tuple[Array, list[tupl
     change = commands[next_] - commands[last]
     jumps = np.abs(change) > np.where(np.arange(change.shape[1]) < change.shape[1] // 2, np.pi / 2, np.inf)
     filled = commands[last] + np.where(jumps, 0.0, change * share[:, None])
-    lost = np.flatnonzero((np.diff(index) > 1) & (np.abs(np.diff(commands, axis=0)) > 1e-9).any(axis=1))
+    lost = np.flatnonzero(np.diff(index) > 1)
     return filled, [(int(index[i]) + 1, int(index[i + 1] - index[i]) - 1) for i in lost]
+
+
+def _gaps(runs: list[tuple[Array, list[tuple[int, int]]]]) -> tuple[Gap, ...]:
+    """Of the commands (T, 2K) and the lost rows of each run."""
+
+    def is_unknown(commands: Array, row: int, rows: int) -> bool:
+        if _differ(commands[row - 1], commands[row + rows]):
+            return True
+        if rows <= options().longest_gap:
+            return False
+        return _share_returned([one for one, _ in runs], rows) > options().returned_command
+
+    return tuple(
+        Gap(run, row, rows)
+        for run, (commands, every) in enumerate(runs)
+        for row, rows in every
+        if is_unknown(commands, row, rows)
+    )
+
+
+def _share_returned(every: list[Array], rows: int) -> float:
+    """Of the stretches of so many rows with the same command before and after them, the share in which the
+    command changed; every: (T, 2K) of each run.
+    """
+    alike = returned = 0
+    for commands in every:
+        changes = np.concatenate([[0], np.cumsum(_differ(commands[:-1], commands[1:]))])
+        same = ~_differ(commands[: -rows - 1], commands[rows + 1 :])
+        alike += int(same.sum())
+        returned += int((same & (changes[rows + 1 :] > changes[: -rows - 1])).sum())
+    return returned / alike if alike else 0.0
+
+
+def _differ(before: Array, after: Array) -> NDArray[np.bool_]:
+    """Whether commands (..., 2K) differ by more than rounding."""
+    return np.asarray((np.abs(after - before) > 1e-9).any(axis=-1))
 
 
 def _weather_on_grid(runs: list[Run], boat: Boat, dt: float, ignore: Sequence[str]) -> Array:
