@@ -174,7 +174,8 @@ class Separated(Part):
 
 class Narrowed(Part):
     """The parameter whose standard error is the greatest of its typical size, now and as expected after the
-    next trial, in `unit`; identifiable: whether the runs determine it now.
+    next trial, in `unit`; scatter: variance of its estimates between runs beyond the noise, in squares of
+    `before`; identifiable: whether the runs determine it now.
     """
 
     effect: str
@@ -182,6 +183,7 @@ class Narrowed(Part):
     unit: str
     before: float
     after: float
+    scatter: float = 0.0
     identifiable: bool = True
 
 

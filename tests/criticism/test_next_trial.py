@@ -312,6 +312,16 @@ def test_a_standard_error_of_noise_free_runs_is_reported_with_its_digits() -> No
     assert "a standard error of 1.2e-07 kg expected, 1.2e-06 kg now" in result[1]
 
 
+@pytest.mark.usefixtures("brief")
+def test_one_more_run_narrows_what_five_runs_scatter_by_as_six_runs_do() -> None:
+    limits = trial_limits("15x20", BOAT, 30.0)
+    asked, narrows = question("resistance", column=0), NARROWS.model_copy(update={"scatter": 5.0})
+    result = design_trial(asked, narrows, limits, np.random.default_rng(0)).result
+    assert result.narrows is not None
+    assert result.narrows.after == pytest.approx(0.01 * math.sqrt(5 / 6), rel=0.02)
+    assert "runs differ by more than noise" in " ".join(next_trial_sentences(result))
+
+
 def test_explanations_that_a_refit_makes_equal_are_not_separated_though_linearised_they_are() -> None:
     wind = Hypothesis((by_label(candidates(BOAT, SECONDS))["wind"],))
     loose = np.diag([0.01, 0.01])  # a standard deviation of 10 m/s

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.estimate import components, sides_of
-from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
+from swamp_rl.criticism.inference.sandwich_covariance import covariance_of_data, sandwich_covariance
 from swamp_rl.criticism.inference.trial_evidence import Question, Rated, explanation_of, rate
 from swamp_rl.criticism.inference.unidentifiable import unidentifiable
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -75,9 +75,25 @@ def question_of(
     now, mine = float(deviations[column]), winner.hypothesis.columns(instance.label)
     known = not unidentifiable(instance, covariance[np.ix_(mine, mine)])[place]
     narrowed = Narrowed(
-        effect=instance.label, parameter=name, unit=unit, before=now, after=now, identifiable=known
+        effect=instance.label,
+        parameter=name,
+        unit=unit,
+        before=now,
+        after=now,
+        scatter=float(_scatter(problem, winner, covariance)[column]),
+        identifiable=known,
     )
     return Question(run_set, sigmas, (explanation,), column), narrowed
+
+
+def _scatter(problem: Shooting, winner: Fit, covariance: Array) -> Array:
+    """(p,) variances between runs beyond the noise, in those of a covariance (p, p): what errors of the model
+    and of the boat file's numbers add.
+    """
+    is_weighted = problem.correlation_samples > 1.0  # by the model error
+    noise = winner.covariance if is_weighted else covariance_of_data(problem, winner)
+    share = np.diag(noise) / np.maximum(np.diag(covariance), 1e-300)
+    return len(np.unique(problem.windows.run)) * np.maximum(0.0, 1.0 - np.nan_to_num(share, nan=1.0))
 
 
 def design_trial(
@@ -109,9 +125,9 @@ def design_trial(
     tracks = rated.tracks[:, best, :rows].copy()
     start = start_in(limits, tracks)
     tracks[..., :2] += start
-    if narrows:
-        after = narrows.before / math.sqrt(1.0 + rated.least[best])
-        narrows = narrows.model_copy(update={"after": after})
+    if narrows:  # random-effects model: DerSimonian and Laird, Controlled Clinical Trials 7, 1986
+        added = rated.least[best] / (1.0 + narrows.scatter * rated.least[best])
+        narrows = narrows.model_copy(update={"after": narrows.before / math.sqrt(1.0 + added)})
     every = zip(fixed, rated.least, rated.rows, strict=False)  # less the last, which was found
     result = NextTrial(
         file=FILE,

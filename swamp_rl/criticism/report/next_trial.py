@@ -10,7 +10,7 @@ import numpy as np
 from swamp_rl.boat import Boat, PropellerRudder
 from swamp_rl.criticism.inference.next_trial import Designed
 from swamp_rl.criticism.report.words import manoeuvre_words, readable
-from swamp_rl.criticism.result import Diagnosis, NextTrial
+from swamp_rl.criticism.result import Diagnosis, Narrowed, NextTrial
 from swamp_rl.digits import digits
 from swamp_rl.figure_style import sheet
 from swamp_rl.html_page import image, table
@@ -38,7 +38,7 @@ def next_trial_sentences(trial: NextTrial) -> list[str]:
         now = f"{digits(one.before, 2)}{unit} now" if one.identifiable else "not determined now"
         sentences.append(
             f"narrows {one.parameter.replace('_', ' ')} of {readable(one.effect)}: a standard error of "
-            f"{digits(one.after, 2)}{unit} expected, {now}"
+            f"{digits(one.after, 2)}{unit} expected, {now}{_limited(one, trial.evidence)}"
         )
     if trial.of_list and trial.of_list[0].evidence > 0.0:
         best = trial.of_list[0]
@@ -47,6 +47,13 @@ def next_trial_sentences(trial: NextTrial) -> list[str]:
             f"same limits ({best.manoeuvre})"
         )
     return sentences
+
+
+def _limited(narrows: Narrowed, evidence: float) -> str:
+    """That estimates scatter between runs by more than the noise of the trial."""
+    if narrows.scatter * evidence <= 1.0:
+        return ""
+    return " (runs differ by more than noise: several more, each different, narrow it further)"
 
 
 def next_trial_section(found: Diagnosis, images: Mapping[str, str]) -> str:
