@@ -8,7 +8,7 @@ import pytest
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.estimate import KINDS, Kind
-from swamp_rl.criticism.model.manoeuvres import command_limits, manoeuvres
+from swamp_rl.criticism.model.manoeuvres import command_bounds, manoeuvres
 from swamp_rl.simulator.state import HEADING, SURGE, SWAY, YAW_RATE
 from tests.support.boats import Array, track
 from tests.support.from_scratch import with_tunnel, written
@@ -104,6 +104,16 @@ def test_full_ahead_is_the_greatest_command_of_each_thruster(boat: Boat) -> None
 
 
 def test_commands_keep_the_limits_of_the_boat(boat: Boat) -> None:
-    low, high = command_limits(boat)
-    for rows in manoeuvres(boat, DT).values():
-        assert (low <= rows).all() and (rows <= high).all()
+    for throttle in (1.0, 0.3):
+        low, high = command_bounds(boat, throttle)
+        for rows in manoeuvres(boat, DT, throttle=throttle).values():
+            assert (low <= rows).all() and (rows <= high).all()
+
+
+def test_a_lower_throttle_keeps_what_the_names_say(boat: Boat) -> None:
+    full, low = manoeuvres(boat, DT), manoeuvres(boat, DT, throttle=0.3)
+    assert full.keys() == low.keys()
+    levels = len(boat.thrusters)
+    for name, rows in low.items():
+        assert rows[:, :levels] == pytest.approx(full[name][:, :levels])
+        assert rows[:, levels:] == pytest.approx(0.3 * full[name][:, levels:])

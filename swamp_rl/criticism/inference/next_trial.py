@@ -108,7 +108,7 @@ def design_trial(
     """
     boat, dt = question.run_set.boat, question.run_set.dt
     family = command_family(boat, dt, limits.seconds, limits.throttle)
-    fixed = manoeuvres(boat, dt, limits.seconds)
+    fixed = manoeuvres(boat, dt, limits.seconds, limits.throttle)
     listed = family.begun(np.stack(list(fixed.values())))
     found = _searched(question, family, limits, listed, rng)
     both = np.concatenate([listed, found[None]])

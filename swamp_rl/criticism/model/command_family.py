@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
-from swamp_rl.criticism.model.manoeuvres import command_limits, manoeuvres
+from swamp_rl.criticism.model.manoeuvres import command_bounds, manoeuvres
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.substeps import steps_over
@@ -101,11 +101,11 @@ def command_family(boat: Boat, dt: float, seconds: float, throttle: float) -> Co
     the other (half a turn of an azimuth without ends), so that the boat follows it.
     """
     count = len(boat.thrusters)
-    low, high = command_limits(boat, throttle)
+    low, high = command_bounds(boat, throttle)
     swing = np.minimum(high[:count] - low[:count], math.pi)
     with np.errstate(divide="ignore", invalid="ignore"):
         slowest = float(np.nan_to_num(swing / parameters(boat)["azimuth_rate"][0], posinf=0.0).max())
-    rows = np.concatenate(list(manoeuvres(boat, dt, seconds).values()))
+    rows = np.concatenate(list(manoeuvres(boat, dt, seconds, throttle).values()))
     mirrored = rows * np.concatenate([-np.ones(count), np.ones(count)])
     palette = np.unique(np.round(np.concatenate([rows, mirrored]), 9), axis=0)
     hold = steps_over(max(options().trial_hold, slowest), dt)

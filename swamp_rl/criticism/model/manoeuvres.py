@@ -20,8 +20,12 @@ STEERED = 0.5  # rad of a circle's and a zig-zag's steering angle
 UNDER_WAY = 0.5  # of the top speed, at which it is decided whether commands turn the boat
 
 
-def manoeuvres(boat: Boat, dt: float, seconds: float | None = None) -> dict[str, Array]:
-    """Commands (T, 2K) by name, in the boat's own units and within its limits, of those that it can do."""
+def manoeuvres(
+    boat: Boat, dt: float, seconds: float | None = None, throttle: float = 1.0
+) -> dict[str, Array]:
+    """Commands (T, 2K) by name, in the boat's own units and within its limits, of those that it can do; their
+    percentages are of a greatest throttle, a share of full [1].
+    """
     seconds = options().trial_seconds if seconds is None else seconds
     time = np.arange(round(seconds / dt)) * dt
     to_starboard = np.sin(2 * math.pi * time / options().zig_zag_period) >= 0
@@ -52,19 +56,21 @@ def manoeuvres(boat: Boat, dt: float, seconds: float | None = None) -> dict[str,
     if _turn_apart(boat, *sides):
         found["differential thrust"] = np.where(to_starboard[:, None], *sides)
     found["adrift"] = stopped_after(10.0, 0.8)
-    low, high = command_limits(boat)
+    low, high = command_bounds(boat)
     for k, thruster in enumerate(boat.thrusters):
         alone = np.zeros(2 * count)
         alone[count + k] = 0.8 * high[count + k]
         found[f"{thruster.name} alone, 80 %"] = alone
+    share = np.repeat([1.0, throttle], count)
     rows = {
-        name: np.clip(np.broadcast_to(given, (len(time), 2 * count)), low, high) + 0.0  # no minus zero
+        name: share * np.clip(np.broadcast_to(given, (len(time), 2 * count)), low, high)
+        + 0.0  # no minus zero
         for name, given in found.items()
     }
     return {name: given for name, given in rows.items() if given[:, count:].any()}
 
 
-def command_limits(boat: Boat, throttle: float = 1.0) -> tuple[Array, Array]:
+def command_bounds(boat: Boat, throttle: float = 1.0) -> tuple[Array, Array]:
     """(2K,) least and greatest commands: angles [rad], of any number of turns the half to either side, and
     throttles [1] or revolutions [rps] up to a share of full.
     """
