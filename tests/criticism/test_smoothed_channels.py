@@ -137,6 +137,16 @@ def test_a_wandering_receiver_a_slow_log_and_a_run_without_noise_are_not_filters
     assert smoothed_channels(slow) == {}
 
 
+@pytest.mark.parametrize("size", [0.3, 0.8, 2.0])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_steps_of_a_wandering_position_are_not_a_filters(size: float, seed: int) -> None:
+    runs = simulated_runs([], seed)
+    measured = runs.measured.copy()
+    wander = gauss_markov_noise(np.random.default_rng(seed), (*measured.shape[:2], 2), size, 20.0)
+    measured[..., :2] += wander + 0.02 * np.random.default_rng(9).standard_normal(wander.shape)
+    assert smoothed_channels(replace(runs, measured=measured)) == {}
+
+
 @pytest.mark.parametrize(("size", "names"), [(1e-12, set()), (1e-6, set(CHANNELS))])
 def test_the_rounding_of_a_simulation_is_no_sensors_noise(size: float, names: set[str]) -> None:
     runs = simulated_runs([], 0)

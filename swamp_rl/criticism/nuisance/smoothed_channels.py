@@ -8,12 +8,14 @@ too, but the spectrum of a position or heading then has a white floor.
 import itertools
 import math
 from collections.abc import Mapping
+from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.measurement_noise import NORMAL_OF_MAD, repeated_samples
-from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
+from swamp_rl.criticism.data.run_set import CHANNELS, POSITIONS, RunSet
 from swamp_rl.criticism.model.scales import state_scale
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.result import SmoothedNoise
@@ -22,6 +24,7 @@ from swamp_rl.simulator.reference import reference_of
 from swamp_rl.simulator.substeps import steps_over
 
 Array = NDArray[np.float64]
+Kind = Literal["lags", "wanders"]
 
 # times 1 / n: variance of a variance of n third differences, correlated as (20, -15, 6, -1) / 20
 OF_A_VARIANCE = 4.6
@@ -33,7 +36,8 @@ POSES = slice(0, 3)  # channels that have two integrals of the forces
 
 def smoothed_channels(run_set: RunSet) -> dict[str, SmoothedNoise]:
     """The smoothed channels by name: standard deviations at the sample rate, from third differences, and of
-    the white noise that is as large at low frequencies, lag included; time constant of the filter [s].
+    the white noise that is as large at low frequencies, lag included; time constant of the filter [s]. North
+    and east are of one receiver: both or none.
     """
     rows = 1.0 / (run_set.dt * reference_of(run_set.boat).rate)  # in the time of a length at top speed
     if rows * options().smoothed_step < 1.0:
@@ -47,12 +51,15 @@ def smoothed_channels(run_set: RunSet) -> dict[str, SmoothedNoise]:
         values = own[..., index]
         if np.isfinite(values[inside]).mean() < options().own_samples:
             continue
-        made = _smoothing(values, activity, run_set.dt, rows, lags=index >= LAGGING.start)
+        kind: Kind = "lags" if index >= LAGGING.start else "wanders"
+        made = _smoothing(values, activity, run_set.dt, rows, kind)
         if made is None or made.sample_noise <= least[index]:
             continue
         if index >= POSES.stop or not _has_floor(run_set.measured[..., index]):
             found[name] = made
-    return found
+    of_receiver = [name for name in CHANNELS[POSITIONS] if name in run_set.present]
+    alike = all(name in found for name in of_receiver)
+    return {name: made for name, made in found.items() if alike or name not in of_receiver}
 
 
 def raised(sigmas: Array, smoothed: Mapping[str, SmoothedNoise]) -> Array:
@@ -68,10 +75,10 @@ def command_activity(run_set: RunSet) -> Array:
     return np.asarray(np.cumsum(np.nan_to_num(steps).sum(axis=2), axis=1))
 
 
-def _smoothing(values: Array, activity: Array, dt: float, rows: float, lags: bool) -> SmoothedNoise | None:
+def _smoothing(values: Array, activity: Array, dt: float, rows: float, kind: Kind) -> SmoothedNoise | None:
     """Of one channel (R, T), None where its noise is white: judged where commands change as little over the
     longer stride as over one sample, so that both differences hold as little of the motion. rows: in the time
-    of a length at top speed.
+    of a length at top speed; kind: what the channel may do beside.
     """
     before = steps_over(options().settled, dt)
     of_strides = {s: _third_differences(values, activity, s, before) for s in options().strides}
@@ -89,10 +96,11 @@ def _smoothing(values: Array, activity: Array, dt: float, rows: float, lags: boo
         or exponent > options().motion_exponent
     ):
         return None
-    variances = {s: _variance(*own, _median_rate(*own)) for s, own in of_strides.items()}
-    measured = _without_motion(
-        {stride: one for stride, one in variances.items() if one and one[0] > 0.0}, rows
-    )
+    every = {s: _variance(*own, _median_rate(*own)) for s, own in of_strides.items()}
+    variances = {stride: one for stride, one in every.items() if one and one[0] > 0.0}
+    measured = _without_motion(variances, rows)
+    if kind == "wanders" and exponent < options().first_order_exponent and not _grows_ever_less(variances):
+        return None  # white noise beside a wander, or a wander alone: Gauss-Markov noise
     pole, longest = _pole(measured), max(measured)
     if (
         third_difference_variance(pole, options().judged_stride) / third_difference_variance(pole, 1)
@@ -102,7 +110,7 @@ def _smoothing(values: Array, activity: Array, dt: float, rows: float, lags: boo
     power = measured[longest] / third_difference_variance(pole, longest)
     low = power * (1.0 + pole) / (1.0 - pole)
     seconds = -dt / math.log(pole)
-    if lags and exponent < options().first_order_exponent:
+    if kind == "lags" and exponent < options().first_order_exponent:
         low += _lag_power(values, seconds, dt)
     fine_sigma = math.sqrt(fine[0] / 20)
     return SmoothedNoise(sample_noise=fine_sigma, standard_deviation=math.sqrt(low), time_constant_s=seconds)
@@ -151,15 +159,32 @@ def _without_motion(variances: Mapping[int, tuple[float, int]], rows: float) -> 
     """The variances by stride, to the one beyond the time of a length (rows) from which they grow by a higher
     power of it than before: those of a filter's noise grow ever less, a motion's by its sixth.
     """
-    error = math.sqrt(OF_TWO_GROWTHS / min(number for _, number in variances.values()))
-    (first, (kept, _)), *others = variances.items()
-    found, slowest = {first: kept}, math.inf
-    for (before, (last, _)), (stride, (variance, _)) in zip(variances.items(), others, strict=False):
-        doublings = math.log(stride / before)
-        growth = math.log(variance / last) / doublings
-        if growth > slowest + options().motion_certainty * error / doublings and THIRD * stride > rows:
+    first = min(variances)
+    found, slowest = {first: variances[first][0]}, math.inf
+    for stride, growth, error in _growths(variances):
+        if growth > slowest + options().motion_certainty * error and THIRD * stride > rows:
             break
-        found[stride], slowest = variance, min(growth, slowest)
+        found[stride], slowest = variances[stride][0], min(growth, slowest)
+    return found
+
+
+def _grows_ever_less(variances: Mapping[int, tuple[float, int]]) -> bool:
+    """Whether the variances by stride, with their numbers, grow by a lower power of it from the longest but
+    one than from the shortest: a filter's noise does, and a random walk's does not, with white noise or not.
+    """
+    growths = _growths(variances)
+    return len(growths) < 2 or growths[-1][1] < growths[0][1]
+
+
+def _growths(variances: Mapping[int, tuple[float, int]]) -> list[tuple[int, float, float]]:
+    """Each stride but the shortest with the power of it that the variance grows by from the one before, and
+    the standard error of a difference of two such powers.
+    """
+    error = math.sqrt(OF_TWO_GROWTHS / min(number for _, number in variances.values()))
+    found = []
+    for (before, (last, _)), (stride, (variance, _)) in pairwise(variances.items()):
+        doublings = math.log(stride / before)
+        found.append((stride, math.log(variance / last) / doublings, error / doublings))
     return found
 
 
