@@ -32,7 +32,7 @@ from swamp_rl.boat_fit.run_thrust import (
 )
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
 from swamp_rl.boat_numbers.number import Number
-from swamp_rl.boat_numbers.numbers import SATURATED, free_numbers
+from swamp_rl.boat_numbers.numbers import COMPASS, SATURATED, free_numbers
 from swamp_rl.criticism.data.checks import refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
@@ -50,7 +50,8 @@ from swamp_rl.simulator.divergence import DivergenceError
 Array = NDArray[np.float64]
 
 SUFFIX, REPORT = ".yaml", ".html"
-SEEN = 3.0  # standard errors of the fit to short windows, from which saturation is seen
+# standard errors of the fit to short windows, from which saturation and an offset of the compass are seen
+SEEN = 3.0
 AT_BOUND = 1e-3  # of the prior width, within which a number is at its bound
 FITS = 3  # at most, each without the runs of another thrust that the one before shows
 
@@ -258,12 +259,14 @@ def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted], with_
 
 def supported(one: Fitted) -> bool:
     """Whether the runs support that a number is free: saturation must be seen, since it has much the same
-    effect as the dead band and the coefficients of the curve together. A number that starts below the least
-    value that is fitted, as a time constant of 0, must have left that value.
+    effect as the dead band and the coefficients of the curve together, and an offset of the compass, which
+    most boats do not have. A number that starts below the least value that is fitted, as a time constant of
+    0, must have left that value.
     """
     if one.number.mean < one.number.low and one.x <= one.number.low + AT_BOUND * one.number.sd:
         return False
-    return one.number.field != SATURATED or abs(one.value - one.number.start) > SEEN * one.standard_error
+    seen = abs(one.value - one.number.start) > SEEN * one.standard_error
+    return one.number.field not in (SATURATED, COMPASS) or seen
 
 
 def _begun(

@@ -12,7 +12,7 @@ from swamp_rl.boat_fit.recent_thrust import RecentErrors, past_seconds
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_thrust import RunThrust
 from swamp_rl.boat_numbers.number import FARTHEST
-from swamp_rl.boat_numbers.numbers import SATURATED, free_numbers
+from swamp_rl.boat_numbers.numbers import COMPASS, SATURATED, free_numbers
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.run_set import CHANNELS, UNITS
 from swamp_rl.criticism.likelihood.prediction_error import TRIVIAL
@@ -79,6 +79,7 @@ def summary(found: Identification) -> list[str]:
             "corrects this; a boat file has no parameter for it. Import the runs again with "
             f"`--commands-earlier {found.wiring.advance:g}`."
         )
+    lines += compass_offset(found.fitted)
     if found.level.standard_error > 0.0:
         level = with_error(found.level.mean, found.level.standard_error)
         lines.append(
@@ -88,17 +89,33 @@ def summary(found: Identification) -> list[str]:
     return [*lines, *moving_water(found), *unlike_runs(found), *far_from_start(found.fitted)]
 
 
+def compass_offset(fitted: Sequence[Fitted]) -> list[str]:
+    """The offset of the compass that the fit found, in a sentence; none where it is not significant."""
+    return [
+        f"The compass reads {known(abs(angle), error)} ± {digits(error, 2)} degrees (one standard error) too "
+        f"far {'clockwise' if angle > 0.0 else 'counterclockwise'} (effect `heading_bias`): the track over "
+        "ground differs from the heading by this angle on all courses. The fit corrects this. The boat file "
+        "has it among its effects, so pilots would drive a boat with this compass. If only the log has it, "
+        f"import the log again with `--map 'heading=HEADING - radians({angle:.3g})'`, HEADING being the "
+        "expression in rad that the heading was mapped to, and identify again."
+        for one in fitted
+        if one.number.field == COMPASS
+        for angle, error in [(math.degrees(one.value), math.degrees(one.standard_error))]
+    ]
+
+
 def left_out(boat: Boat, fitted: Sequence[Fitted]) -> list[str]:
     """Which numbers the first windows leave out of the fit, in sentences."""
     free = {one.number.name for one in fitted}
     out = [one for one in free_numbers(boat) if one.name not in free]
     thrusters = ", ".join(one.name.rpartition(".")[2] for one in out if one.field == SATURATED)
-    lags = ", ".join(one.name for one in out if one.field != SATURATED)
-    return [
-        f"Not significant in the runs, kept as in the start file: {what} {names}."
-        for what, names in (("saturation of the thrust of", thrusters), ("time constants", lags))
-        if names
-    ]
+    lags = ", ".join(one.name for one in out if one.field not in (SATURATED, COMPASS))
+    kept = (
+        f"saturation of the thrust of {thrusters}" if thrusters else "",
+        f"time constants {lags}" if lags else "",
+        "offset of the compass" if any(one.field == COMPASS for one in out) else "",
+    )
+    return [f"Not significant in the runs, kept as in the start file: {one}." for one in kept if one]
 
 
 def prediction_sentence(found: Identification) -> str:

@@ -30,6 +30,8 @@ LAG = 0.3  # prior width of a time constant, in lengths over top speed
 # to 60 % and in proportion to it from there on
 SATURATION = 0.3
 SATURATED = "efficiency_100"  # field of the record
+COMPASS = "heading_bias"  # field of the record
+DEVIATION = 0.05  # rad, prior width of an offset of the compass: mounting and deviation
 DERIVATIVE = 0.02  # prior width [1] of a hull derivative beside its share, which may be 0 or of either sign
 
 
@@ -40,7 +42,7 @@ def free_numbers(boat: Boat, positions: bool = False) -> tuple[Number, ...]:
     for k, thruster in enumerate(boat.thrusters):
         found += _propeller(boat, k) if isinstance(thruster, PropellerRudder) else _jet(boat, k)
         found += _positions(boat, k) if positions and not isinstance(thruster, PropellerRudder) else []
-    found += [*_lags(boat, of), *_clocks(boat)]
+    found += [*_lags(boat, of), *_clocks(boat), _compass(boat)]
     plausible = {limit.key: limit for limit in ranges(loaded)}
     found = list(free_of_effects(found, boat))
     return tuple(_within(_narrowed(number, boat), plausible.get(number.name)) for number in found)
@@ -312,3 +314,10 @@ def _clocks(boat: Boat) -> Iterable[Number]:
         start = float(record[field])
         name = f"effects.{effect}.{parameter}"
         yield Number(name, "s", field, start, 0.2, trial, low=low, high=LONGEST_DELAY)
+
+
+def _compass(boat: Boat) -> Number:
+    """Constant offset of the compass."""
+    start, most = float(parameters(boat)[0]["heading_bias"]), 0.5 * math.pi
+    name, trial = "effects.heading_bias.bias", "straight runs on several courses"
+    return Number(name, "rad", COMPASS, start, DEVIATION, trial, low=-most, high=most)

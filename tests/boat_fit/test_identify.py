@@ -20,7 +20,7 @@ from swamp_rl.boat_fit.fit import (
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import identify_boat, numbers_of
 from swamp_rl.boat_fit.pieces import split
-from swamp_rl.boat_fit.report import next_runs, not_better
+from swamp_rl.boat_fit.report import next_runs, not_better, summary
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
@@ -123,6 +123,7 @@ def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_s
     truth = hidden(tmp_path, HIDDEN)
     sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, low=0.0, seconds=40.0)
     found = identify_boat(tmp_path / "runs", tmp_path / "twin.yaml", tmp_path / "new.yaml")
+    assert "effects.heading_bias.bias" not in by_name(list(found.fitted))
     assert not_better(found.after) == []
     assert found.after[FIVE].boat_file < 0.3 * found.before[FIVE].boat_file
     assert load_boat(tmp_path / "new.yaml") == found.boat
@@ -132,6 +133,26 @@ def test_the_file_beats_what_is_trivial_and_says_which_numbers_the_runs_do_not_s
     origin = found.boat.provenance["thrusters.port.astern_quadratic"]
     assert origin.provenance == "assumed" and "not identifiable from" in origin.source
     assert any("astern of port" in line and "astern_quadratic" in line for line in next_runs(found))
+
+
+@pytest.mark.slow
+def test_an_offset_of_the_compass_is_fitted_and_moves_no_other_number(tmp_path: Path) -> None:
+    truth = hidden(tmp_path, HIDDEN + "  - {effect: heading_bias, bias: -0.0873}\n")
+    sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, low=0.0)
+    found = identify_boat(tmp_path / "runs", tmp_path / "twin.yaml", tmp_path / "new.yaml")
+    numbers = by_name(list(found.fitted))
+    expected = {
+        "effects.heading_bias.bias": -0.0873,
+        "effects.clock_offset.offset": 0.0,
+        "effects.linear_drag.coefficient": 0.0,
+        "resistance.x_0_ahead": -0.09,
+        "hull.n_r": -0.11,
+    }
+    for name, value in expected.items():
+        assert abs(numbers[name].value - value) < 4.0 * numbers[name].standard_error, name
+    (line,) = [line for line in summary(found) if line.startswith("The compass")]
+    assert "reads 5.0" in line or "reads 4.9" in line
+    assert "too far counterclockwise" in line and "heading=HEADING - radians(-" in line
 
 
 @pytest.mark.slow

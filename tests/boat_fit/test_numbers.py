@@ -235,6 +235,16 @@ def test_saturation_stays_free_only_where_it_is_seen(tmp_path: Path) -> None:
     assert supported(Fitted(band, 0.0, 0.08))
 
 
+def test_an_offset_of_the_compass_stays_free_only_where_it_is_seen() -> None:
+    boat = load_boat("swamp")
+    every = free_numbers(boat)
+    compass = next(number for number in every if number.field == "heading_bias")
+    assert supported(Fitted(compass, -0.02, 0.005))
+    assert not supported(Fitted(compass, -0.01, 0.005))
+    made = [Fitted(number, number.mean, number.sd) for number in every if number is not compass]
+    assert left_out(boat, made)[-1].endswith("kept as in the start file: offset of the compass.")
+
+
 def test_the_thrusters_without_a_fitted_saturation_are_named(tmp_path: Path) -> None:
     boat = load_boat(written(tmp_path, "twin"))
     every = [Fitted(number, number.mean, number.sd) for number in free_numbers(boat)]
