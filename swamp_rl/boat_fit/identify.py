@@ -248,13 +248,18 @@ def short_fitted(
 
 
 def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted], with_current: bool) -> BoatFit:
-    """The fit of a boat's numbers to runs, from those of the fit to short windows that these support;
-    with_current: whether each run has a mean current.
+    """The fit of a boat's numbers to runs, from those of the fit to short windows that these support, again
+    without an offset of the compass that it does not; with_current: whether each run has a mean current.
     """
     kept = [i for i, one in enumerate(short) if supported(one)]
-    LOG.info("fitting %d numbers to windows of %.3g s", len(kept), window_length(training.boat))
-    numbers = tuple(short[i].number for i in kept)
-    return long_fit(*_begun(training, wiring, numbers, wiring.x[kept], with_current))
+    while True:
+        LOG.info("fitting %d numbers to windows of %.3g s", len(kept), window_length(training.boat))
+        numbers = tuple(short[i].number for i in kept)
+        made = long_fit(*_begun(training, wiring, numbers, wiring.x[kept], with_current))
+        lost = [one.number for one in numbers_of(made) if one.number.field == COMPASS and not supported(one)]
+        if not lost:
+            return made
+        kept = [i for i in kept if short[i].number not in lost]
 
 
 def supported(one: Fitted) -> bool:

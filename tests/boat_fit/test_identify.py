@@ -155,6 +155,19 @@ def test_an_offset_of_the_compass_is_fitted_and_moves_no_other_number(tmp_path: 
     assert "too far counterclockwise" in line and "heading=HEADING - radians(-" in line
 
 
+def test_an_offset_of_the_compass_that_only_short_windows_show_is_not_kept(tmp_path: Path) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=2, seconds=40.0)
+    numbers = free_numbers(runs.boat)
+    short = [
+        Fitted(one, 0.05, 0.01) if one.field == "heading_bias" else Fitted(one, one.mean, one.sd)
+        for one in numbers
+    ]
+    wired = Wiring(runs.boat, (), 0.0, free_boat(runs.boat, numbers).start())
+    made = identify.fitted_boat(runs, wired, short, with_current=False)
+    fields = [one.field for one in made.hypothesis.numbers]
+    assert "heading_bias" not in fields and "clock_offset" in fields
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("no_figures")
 def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diagnoses(
