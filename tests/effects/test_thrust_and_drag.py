@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
-from swamp_rl.effects import apply_effects, parse_effects
+from swamp_rl.effects import LIBRARY, apply_effects, parse_effects
 from swamp_rl.physics.thrusters import effective_thrust
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 from swamp_rl.simulator.state import SURGE
@@ -44,6 +44,21 @@ def test_an_efficiency_curve_multiplies_the_thrust_by_a_line_between_its_knots()
     throttles = np.linspace(0.05, 1.0, 39)
     ratio = [effective_thrust(p, 2, curved) / effective_thrust(p, 2, record()[0]) for p in throttles]
     assert ratio == pytest.approx(np.interp(throttles, [0.3, 0.6, 1.0], [0.6, 0.9, 1.2]), rel=1e-12)
+
+
+def test_a_scale_of_the_resistance_leaves_linear_drag_and_the_drag_across_as_they_are() -> None:
+    linear, scaled = {"effect": "linear_drag", "coefficient": 5.0}, {"effect": "resistance", "scale": 1.4}
+    for u, v, r in ((0.6, 0.0, 0.0), (0.5, 0.2, 0.3)):
+        plain, fouled = (
+            forces_on_hull(BOAT, record(*more)[0], u, v, r) for more in ((linear,), (linear, scaled))
+        )
+        without, tank_alone = (forces_on_hull(BOAT, record(*more)[0], u, v, r) for more in ((), (scaled,)))
+        assert fouled[0] - plain[0] == pytest.approx(tank_alone[0] - without[0], rel=1e-9)
+        assert fouled[1] == plain[1]
+    assert forces_on_hull(BOAT, record(scaled)[0], 0.6, 0.0, 0.0)[0] == pytest.approx(
+        1.4 * forces_on_hull(BOAT, record()[0], 0.6, 0.0, 0.0)[0], rel=1e-9
+    )
+    assert "linear drag and the drag across keep their size" in LIBRARY["resistance"].description
 
 
 def test_an_even_efficiency_curve_is_a_gain() -> None:

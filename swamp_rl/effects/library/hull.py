@@ -39,7 +39,8 @@ declare(
     Parameter("scale", "1", 1.0, "resistance_scale", low=0.0, search=Search(0.2, 0.05, 6.0, (1.1,))),
     acts_on="force",
     combine="multiply",
-    description="that multiple of the towing tank's resistance",
+    description="that multiple of the boat file's surge resistance, its towing tank's or X'_0; linear drag "
+    "and the drag across keep their size: weed that raises all drag by one factor has a larger scale",
     source="ours: fouling, appendages, load",
 )
 
