@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.experiments.synthetic.cases import PLAIN, RTK
 
-from swamp_rl.angles import wrapped
+from swamp_rl.angles import turned, wrapped
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.estimate import boat_file
 from swamp_rl.constants import KNOT, SWAMP_LENGTH
@@ -248,9 +248,25 @@ def drifting(runs: list[Run]) -> bool:
     return float(np.sqrt(np.mean(difference**2))) > RTK[3]
 
 
+def quaternion_misread(columns: Columns, rng: Rng) -> Columns:
+    """The heading of a quaternion whose w, x, y, z are taken for x, y, z, w; the boat rolls."""
+    half, roll = 0.5 * columns["heading"], 0.02 * rng.standard_normal(len(columns["time"]))
+    w, x, y, z = np.cos(half), roll * np.cos(half), roll * np.sin(half), np.sin(half)
+    taken = math.pi - np.mod(math.pi - np.arctan2(2.0 * (z * y + w * x), 1.0 - 2.0 * (x**2 + y**2)), math.tau)
+    return columns | {"heading": taken}
+
+
+def velocity_exchanged(columns: Columns, rng: Rng) -> Columns:
+    """Surge and sway of a velocity whose north and east are exchanged."""
+    north, east = turned(columns["surge"], columns["sway"], columns["heading"])
+    surge, sway = turned(east, north, -columns["heading"])
+    return columns | {"surge": surge, "sway": sway}
+
+
 PORT_AND_STARBOARD = [("bs", "bp"), ("ss", "sp")]
 BOW_AND_STERN = [("bs", "ss"), ("bp", "sp")]
 HEADING = ("heading_flipped", "heading_offset", "heading_enu", "axes_exchanged")
+UNRELATED = ("heading_unrelated",)
 COMMANDS = ("commands_exchanged", "angles_flipped", "levels_flipped")
 SEEDS = [
     Seed("heading counterclockwise", HEADING, heading(lambda psi: -psi)),
@@ -258,6 +274,9 @@ SEEDS = [
     Seed("heading from east, clockwise", HEADING, heading(lambda psi: psi - 0.5 * math.pi)),
     Seed("heading of the stern", HEADING, heading(lambda psi: psi + math.pi)),
     Seed("north and east exchanged", HEADING, lambda c, rng: {**c, "north": c["east"], "east": c["north"]}),
+    Seed("heading of a misread quaternion", UNRELATED, quaternion_misread),
+    Seed("heading by sine and cosine of degrees", (*UNRELATED, "unit"), heading(np.degrees)),
+    Seed("velocity of exchanged north and east", ("velocity_disagrees",), velocity_exchanged, has("surge")),
     Seed("yaw rate counterclockwise", ("yaw_rate_flipped",), times("yaw_rate", -1.0)),
     Seed("yaw rate in degrees a second", ("unit",), times("yaw_rate", 180.0 / math.pi)),
     Seed("surge in knots", ("unit",), times("surge", 1.0 / KNOT), has("surge")),

@@ -68,7 +68,7 @@ def _motion_findings(motions: Sequence[Motion], boat: Boat | None) -> list[Findi
         answer = response_findings(instead, boat)
         if not MIRRORED & {one.code for one in answer}:
             kinematic, corrected, response = other, instead, answer
-    return [*kinematic, *response, *unpowered_findings(corrected)]
+    return [*kinematic, *response, *unpowered_findings(motions)]
 
 
 def missing_findings(runs: Sequence[Run]) -> list[Finding]:

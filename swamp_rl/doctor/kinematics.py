@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.smooth import Motion
+from swamp_rl.doctor.unrelated import heading_unrelated, measured_against_positions
 from swamp_rl.html_page import with_error
 
 Array = NDArray[np.float64]
@@ -47,20 +48,48 @@ def kinematic_findings(
     """
     if not motions:
         return [], []
-    found: list[Finding] = []
+    if wrong := _wrong_heading(motions):
+        return wrong, []  # the other checks rest on the heading
+    velocity, motions = _velocity_against_positions(motions)
     heading, motions = _heading_against_course(motions, exchanged)
     turning = _yaw_rate_against_heading(motions)
-    found += heading + turning
+    found = [*velocity, *heading, *turning]
     known = [one for one in motions if one.surge is not None]
     if known:
         surge = np.concatenate([one.surge for one in known if one.surge is not None])
-        velocity = np.concatenate([one.velocity * np.conj(one.direction) for one in known])
-        found += _surge_against_speed(known, surge, velocity.real)
-        found += _speed_for_surge(known, surge, velocity)
+        moved = np.concatenate([one.velocity * np.conj(one.direction) for one in known])
+        found += _surge_against_speed(known, surge, moved.real)
+        found += _speed_for_surge(known, surge, moved)
     signs = [finding.figures.get("sign", 1.0) for finding in turning]
     if signs and signs[0] < 0.0:
         motions = [_with_flipped_yaw_rate(one) for one in motions]
     return found, motions
+
+
+def _wrong_heading(motions: Sequence[Motion]) -> list[Finding]:
+    """The findings of a heading that is not of the motion, or in another unit."""
+    unrelated = heading_unrelated(motions)
+    if not unrelated:
+        return [one for one in _yaw_rate_against_heading(motions) if one.columns == ("heading",)]
+    certain = any(one.level == "fault" for one in unrelated)
+    return unrelated if certain else unrelated + _velocity_against_positions(motions)[0]
+
+
+def _velocity_against_positions(motions: Sequence[Motion]) -> tuple[list[Finding], list[Motion]]:
+    """Whether the measured velocity is of other axes than the positions, where the heading agrees with these;
+    and the motions without it.
+    """
+    without = [_without_velocity(one) for one in motions]
+    message = measured_against_positions(motions, ALIGNED, BETTER)
+    if message is None or _heading_against_course(without, None)[0]:
+        return [], list(motions)
+    advice = "check which columns are mapped to the velocity, and their axes (--frame)"
+    columns = ("surge", "sway")
+    return [Finding("fault", "velocity_disagrees", columns, message, advice)], without
+
+
+def _without_velocity(motion: Motion) -> Motion:
+    return replace(motion, surge=None, sway=None)
 
 
 def _resultants(motions: Sequence[Motion]) -> tuple[complex, complex]:
@@ -165,9 +194,8 @@ def _yaw_rate_against_heading(motions: Sequence[Motion]) -> list[Finding]:
         )
     elif unit := _unit(1.0 / abs(ratio), {"degrees": TURNS["deg/s"]}):
         message = f"changes {1.0 / abs(ratio):.3g} times as fast as yaw_rate, as if in {unit}"
-        found.append(
-            Finding("fault", "unit", ("heading",), message, "give it in rad (--degrees)", figures=figures)
-        )
+        advice = "give it in rad: --degrees, or radians() within an expression"
+        found.append(Finding("fault", "unit", ("heading",), message, advice, figures=figures))
     return found
 
 

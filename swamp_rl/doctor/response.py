@@ -20,7 +20,7 @@ from scipy.optimize import nnls
 from swamp_rl.boat import Boat
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.layout import Place, demanded, followed, places_of
-from swamp_rl.doctor.smooth import WINDOWS, Motion, mean, noise_of, rows_of, slope
+from swamp_rl.doctor.smooth import WINDOWS, Motion, mean, noise_of, rows_of, slope, slope_error
 
 Array = NDArray[np.float64]
 Columns = Mapping[str, Array]
@@ -146,9 +146,8 @@ def _answer(velocity: Array, step: float, least: int = 3) -> Answer:
     rows = least
     for window in WINDOWS:
         rows = max(least, rows_of(window, step))
-        half = rows // 2
         found = slope(velocity, rows, step)
-        error = noise / (step * math.sqrt(half * (half + 1) * (2 * half + 1) / 3.0))
+        error = noise * slope_error(rows, step)
         if error < 0.5 * float(np.sqrt(np.mean(found**2))):
             break
     return Answer(rows, mean(velocity, rows), slope(velocity, rows, step))

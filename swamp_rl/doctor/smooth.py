@@ -18,7 +18,7 @@ NOISE_SHARE = 0.2
 @dataclass(frozen=True)
 class Motion:
     """A run's motion over windows of `window` s: (T,) velocity over ground north + i east [m/s], unit complex
-    heading, rate of heading [rad/s], measured yaw rate and surge over the same windows or None."""
+    heading, rate of heading [rad/s], measured yaw rate, surge and sway over the same windows or None."""
 
     run: Run
     step: float
@@ -28,6 +28,7 @@ class Motion:
     turning: Array
     yaw_rate: Array | None
     surge: Array | None
+    sway: Array | None
 
     @property
     def rows(self) -> int:
@@ -57,6 +58,12 @@ def rows_of(window: float, step: float) -> int:
     return max(3, 2 * round(0.5 * window / step) + 1)
 
 
+def slope_error(rows: int, step: float) -> float:
+    """Standard error of `slope` for white noise of deviation 1."""
+    half = rows // 2
+    return 1.0 / (step * float(np.sqrt(half * (half + 1) * (2 * half + 1) / 3.0)))
+
+
 def slope(values: Array, rows: int, step: float) -> Array:
     """(T,) slope of the least-squares line over `rows` rows about each; at the ends the last whole one."""
     half = rows // 2
@@ -65,6 +72,11 @@ def slope(values: Array, rows: int, step: float) -> Array:
     weights = np.arange(-half, half + 1) / (step * half * (half + 1) * (2 * half + 1) / 3.0)
     inner = np.convolve(values, weights[::-1], mode="valid")
     return np.concatenate([np.full(half, inner[0]), inner, np.full(half, inner[-1])])
+
+
+def mean_error(rows: int) -> float:
+    """Standard error of `mean` for white noise of deviation 1: the weights are a parabola."""
+    return float(np.sqrt(1.2 / rows))
 
 
 def mean(values: Array, rows: int) -> Array:
@@ -94,19 +106,17 @@ def motion_of(run: Run) -> Motion | None:
         rows = rows_of(window, step)
         if 2 * rows > len(north):
             break
-        half = rows // 2
-        error = noise / (step * np.sqrt(half * (half + 1) * (2 * half + 1) / 3.0))
+        error = noise * slope_error(rows, step)
         velocity = slope(north, rows, step) + 1j * slope(east, rows, step)
         speed = float(np.sqrt(np.mean(np.abs(velocity) ** 2)))
         if error <= NOISE_SHARE * speed and speed > 0.0:
             unit = mean(np.cos(heading), rows) + 1j * mean(np.sin(heading), rows)
             known = {
                 name: mean(values, rows)
-                for name in ("yaw_rate", "surge")
+                for name in ("yaw_rate", "surge", "sway")
                 if (values := run.columns.get(name)) is not None and np.isfinite(values).all()
             }
             turning = slope(heading, rows, step)
-            return Motion(
-                run, step, window, velocity, unit, turning, known.get("yaw_rate"), known.get("surge")
-            )
+            measured = (known.get(name) for name in ("yaw_rate", "surge", "sway"))
+            return Motion(run, step, window, velocity, unit, turning, *measured)
     return None
