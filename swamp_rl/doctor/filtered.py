@@ -1,4 +1,8 @@
-"""Channels without a white noise floor: smoothed by a filter, or free of noise."""
+"""Channels without a white noise floor: smoothed by a filter, with errors that wander, or free of noise.
+
+Near the Nyquist frequency the error of a receiver that wanders, a Gauss-Markov process, has the spectrum of
+white noise behind a filter of first order with the same time constant: the channel does not tell the two.
+"""
 
 from collections.abc import Sequence
 
@@ -43,8 +47,9 @@ def filter_findings(runs: Sequence[Run], measured: bool) -> list[Finding]:
     )
     message += f" from {LOW[0]:g}-{LOW[1]:g} to {HIGH[0]:g}-{HIGH[1]:g} of the Nyquist frequency"
     advice = (
-        "a filter, resampling or an integral smoothed them: log the raw sensor; intervals from white noise "
-        "do not hold"
+        "a filter, resampling or an integral smoothed them, or the receiver's error wanders: log the raw "
+        "sensor if these are not its values; errors of successive rows are correlated, and intervals from "
+        "white noise too short"
         if measured
         else "as simulated runs without sensor noise do"
     )
