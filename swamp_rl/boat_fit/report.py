@@ -25,7 +25,8 @@ HEADS = tuple(name.replace("_", " ") for name in TRIVIAL)
 FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
 WIRED = (
     "The boat file has it among its effects, so pilots would drive a boat with this wiring. If only the log "
-    "has it, correct the log with `runs import --map` and identify again."
+    "has it, correct the log with `runs import --map` and identify again. If the start file is wrong, "
+    "correct the file and identify again."
 )
 
 

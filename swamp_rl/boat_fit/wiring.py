@@ -68,7 +68,10 @@ def possible_changes(boat: Boat) -> list[Change]:
 
 def _words(effect: Effect, chosen: Sequence[str], boat: Boat) -> str:
     if effect.swaps:
-        return f"{chosen[0]} and {chosen[1]} obey each other's commands"
+        return (
+            f"{chosen[0]} and {chosen[1]} obey each other's commands, or each is at the other's place in the "
+            "start file (x forward, y to starboard)"
+        )
     named = SIGNS[effect.name]
     if chosen == ("all",):
         return f"the {named['']} commands of all thrusters have the other sign"

@@ -168,6 +168,17 @@ def test_an_offset_of_the_compass_that_only_short_windows_show_is_not_kept(tmp_p
     assert "heading_bias" not in fields and "clock_offset" in fields
 
 
+def test_thrusters_that_the_start_file_has_on_the_other_side_are_named_with_its_places(
+    tmp_path: Path,
+) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=2)
+    places = "thrusters: {port: {y: 0.15}, starboard: {y: -0.15}}\n"
+    (tmp_path / "mirrored.yaml").write_text("extends: twin.yaml\nname: mirrored\n" + places)
+    (change,) = identify.searched(replace(runs, boat=load_boat(tmp_path / "mirrored.yaml"))).changes
+    assert change.startswith("port and starboard obey each other's commands, or each is at the other's place")
+    assert identify.searched(runs).changes == ()
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("no_figures")
 def test_exchanged_and_flipped_channels_are_found_and_the_file_predicts_and_diagnoses(
