@@ -13,7 +13,10 @@ Results = Mapping[str, Any]
 
 def report(results: Results) -> str:
     """The whole text."""
-    parts = [opening(results), summary(results), method(results)]
+    parts = [opening(results), summary(results)]
+    if results["too_few_draws"]:
+        parts.append(f"**{results['too_few_draws']}.**")
+    parts.append(method(results))
     parts += [claim(one) for one in results["claims"]]
     parts.append(f"It took {results['measured']['total_seconds']:.0f} s.")
     return "\n\n".join(parts) + "\n"

@@ -1,5 +1,6 @@
 """The claims of thesis 7.3.3 as tested hypotheses: a pilot trained anew many times, tried where they say."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -16,7 +17,7 @@ from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.evaluation.comparison import without_nan
 from swamp_rl.experiments.reports.claims import report
-from swamp_rl.experiments.studies.claims_effects import CLAIMS, Hypothesis, hypotheses
+from swamp_rl.experiments.studies.claims_effects import CLAIMS, Hypothesis, count, hypotheses, title
 from swamp_rl.experiments.studies.claims_episodes import fly
 from swamp_rl.experiments.training.train import get_data
 
@@ -49,9 +50,29 @@ def check_claims(scene: Scene) -> Claims:
     return plan
 
 
+def least_draws(plan: Claims) -> int:
+    """Trainings from which a hypothesis can be supported: with n, no corrected p is below that of Holm's
+    first step, the number of hypotheses over 2^n.
+    """
+    return math.floor(math.log2(count(plan) / LEVEL)) + 1
+
+
+def draws_note(plan: Claims) -> str | None:
+    """One line where there are too few trainings to support anything; else None."""
+    if plan.draws >= least_draws(plan):
+        return None
+    least = min(1.0, count(plan) / 2**plan.draws)
+    return (
+        f"claims.draws: {plan.draws} trainings cannot support any of {count(plan)} hypotheses (p is at least "
+        f"{least:.2g}); give {least_draws(plan)} or more"
+    )
+
+
 def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
     """Every stage in turn; what goes into results.json. The report is written beside."""
     plan = check_claims(scene)
+    if note := draws_note(plan):
+        progress.say(note)
     dataset = get_data(scene, folder, progress)
     taught = scene.experiment.pilots[plan.pilot]
     pool = pool_of(plan, taught, dataset.runs)
@@ -66,13 +87,14 @@ def examine_claims(scene: Scene, folder: Path, progress: Stages) -> dict[str, An
         "boat": scene.boat.name,
         "course": scene.course.name,
         "plan": plan.model_dump(mode="json"),
+        "too_few_draws": draws_note(plan),
         "takeover": taught.takeover,
         "kind": taught.kind,
         "episodes": len(scene.seeds),
         "data": data_results(dataset) | {"recorded_at": recorded_at(scene), "disjoint": disjoint(plan, pool)},
         "sha256": write_hashes(dataset.folder, folder),
         "seeds": seeds(scene.experiment),
-        "claims": [claim_row(claim, rows) for claim in CLAIMS],
+        "claims": [claim_row(claim, rows, plan) for claim in CLAIMS],
         "measured": measured(progress),
     }
     (folder / "report.md").write_text(report(results), encoding="utf-8")
@@ -137,7 +159,7 @@ def verdict(row: Mapping[str, Any]) -> str:
     return NOT_SUPPORTED if row["high"] < row["bound"] else UNDECIDED
 
 
-def claim_row(claim: str, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def claim_row(claim: str, rows: Sequence[Mapping[str, Any]], plan: Claims) -> dict[str, Any]:
     """A claim is supported where all that decide it are, and not where one is not."""
     own = [row for row in rows if row["claim"] == claim]
     verdicts = {row["verdict"] for row in own if row["decides"]}
@@ -145,4 +167,4 @@ def claim_row(claim: str, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         found = SUPPORTED
     else:
         found = NOT_SUPPORTED if NOT_SUPPORTED in verdicts else UNDECIDED
-    return {"claim": claim, "title": CLAIMS[claim], "verdict": found, "hypotheses": own}
+    return {"claim": claim, "title": title(claim, plan), "verdict": found, "hypotheses": own}

@@ -26,6 +26,12 @@ CLAIMS = {
     "disturbed": "It withstands gusts, current and stern-thruster kicks",
     "smoother": "Its commands are smoother and use less power than the demonstrator's",
 }
+"""The claims of the thesis, which are about the levels that `Claims` has by default."""
+OF_LEVELS = {
+    "elsewhere": "It succeeds from starts outside the training tracks",
+    "disturbed": "It withstands disturbances",
+}
+"""The same of other levels, which are named beside."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,22 @@ class Flown:
     def teachers_success(self, level: str) -> float | None:
         """The data's own pilot's success rate."""
         return None if self.teacher is None else float(self.teacher[level][0]["success"].mean())
+
+
+def title(claim: str, plan: Claims) -> str:
+    """A claim in words: the thesis's where its levels are those of the thesis."""
+    if claim not in OF_LEVELS:
+        return CLAIMS[claim]
+    levels = getattr(plan, claim)
+    as_there = set(levels) == set(getattr(Claims(pilot=plan.pilot), claim))
+    return CLAIMS[claim] if as_there else f"{OF_LEVELS[claim]}: {', '.join(levels)}"
+
+
+def count(plan: Claims) -> int:
+    """How many hypotheses `hypotheses` makes."""
+    few = 2 * len(plan.runs) - 1
+    copy, elsewhere, smooth = 2, 2 * len(plan.elsewhere), 2
+    return few + copy + elsewhere + len(plan.disturbed) + smooth
 
 
 def named(runs: int) -> str:

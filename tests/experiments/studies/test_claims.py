@@ -17,11 +17,20 @@ from swamp_rl.experiments.studies.claims import (
     check_claims,
     claim_row,
     disjoint,
+    draws_note,
     examine_claims,
     judge,
     pool_of,
 )
-from swamp_rl.experiments.studies.claims_effects import Flown, Hypothesis, lever_power, named, not_copied
+from swamp_rl.experiments.studies.claims_effects import (
+    Flown,
+    Hypothesis,
+    count,
+    lever_power,
+    named,
+    not_copied,
+    title,
+)
 
 from swamp_rl.boat import load_boat
 from swamp_rl.errors import UserError
@@ -41,6 +50,9 @@ SMALL = (
     "claims.elsewhere=[reversed]",
     "evaluation.episodes=4",
 )
+
+
+PLAN = Claims(pilot="reservoir")
 
 
 def judged(values: Any, bound: float) -> dict[str, Any]:
@@ -84,13 +96,31 @@ def test_a_claim_stands_and_falls_with_the_hypotheses_that_decide_it() -> None:
         return {"claim": "few", "verdict": verdict, "decides": decides}
 
     yes, no, open_ = row("supported"), row("not supported"), row("undecided")
-    assert claim_row("few", [yes, yes, row("not supported", decides=False)])["verdict"] == "supported"
-    assert claim_row("few", [yes, open_])["verdict"] == "undecided"
-    assert claim_row("few", [yes, open_, no])["verdict"] == "not supported"
+    assert claim_row("few", [yes, yes, row("not supported", decides=False)], PLAN)["verdict"] == "supported"
+    assert claim_row("few", [yes, open_], PLAN)["verdict"] == "undecided"
+    assert claim_row("few", [yes, open_, no], PLAN)["verdict"] == "not supported"
 
 
 def runs_named(n: int) -> list[Run]:
     return [Run(str(i), {}) for i in range(n)]
+
+
+def test_a_claim_names_the_levels_that_were_tried_where_they_are_not_the_thesiss() -> None:
+    assert "stern-thruster kicks" in title("disturbed", PLAN)
+    assert "reversed heading" in title("elsewhere", PLAN)
+    other = Claims(pilot="reservoir", disturbed=("gusts",), elsewhere=("elsewhere",))
+    assert title("disturbed", other) == "It withstands disturbances: gusts"
+    assert title("elsewhere", other) == "It succeeds from starts outside the training tracks: elsewhere"
+    assert claim_row("disturbed", [], other)["title"] == title("disturbed", other)
+
+
+@pytest.mark.parametrize(("draws", "enough"), [(4, False), (8, False), (9, True), (10, True)])
+def test_too_few_trainings_to_support_anything_are_said_beforehand(draws: int, enough: bool) -> None:
+    plan = Claims(pilot="reservoir", draws=draws)
+    surest = [Hypothesis("few", "", np.full((draws, 5), 0.9), 0.5, "rate")] * count(plan)
+    rows = judge(surest, np.random.default_rng(0))
+    assert {row["verdict"] for row in rows} == {"supported" if enough else "undecided"}
+    assert (draws_note(plan) is None) == enough
 
 
 def test_choices_of_runs_share_none_where_there_are_enough() -> None:
@@ -176,6 +206,8 @@ def test_the_whole_in_small_tells_every_claim_and_goes_on_after_a_break_to_the_s
         "smoother",
     ]
     assert all(one["hypotheses"] for one in results["claims"])
+    assert sum(len(one["hypotheses"]) for one in results["claims"]) == count(check_claims(small))
+    assert "2 trainings cannot support any" in results["too_few_draws"]
     assert "none is of a person" in (tmp_path / "unbroken" / "report.md").read_text(encoding="utf-8")
 
     def stopped(*_: Any) -> None:
