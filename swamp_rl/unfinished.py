@@ -11,6 +11,7 @@ from pathlib import Path
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import UNFINISHED, flush, flush_whole, os_error, write_beside
+from swamp_rl.own_code import is_users_to_mend
 from swamp_rl.replacement import NAMED, list_written, refuse_to_replace
 
 
@@ -61,7 +62,8 @@ def taken_up(
     says that this job may continue the other's work in that folder. UserError where another job has finished
     anything in it, which stays; otherwise it is emptied. Files that were being
     written (`write_beside`, `folder_beside`) are removed. However the block ends, what it has made is left
-    for the next life; only one refused by UserError before it made anything leaves nothing.
+    for the next life; only one that a UserError or the user's own code ends before it made anything leaves
+    nothing.
 
     An existing `path` that is not empty is replaced only if it holds one of the files named `replaces`, and
     nothing that came or changed since it was written. UserError where it does not, and where another process
@@ -77,8 +79,8 @@ def taken_up(
             _begin(part, description, continues)
             try:
                 yield part
-            except UserError:
-                if not _finished(part, description):
+            except Exception as error:
+                if is_users_to_mend(error) and not _finished(part, description):
                     shutil.rmtree(part, ignore_errors=True)
                 raise
             try:

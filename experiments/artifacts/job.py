@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from swamp_rl.experiments.artifacts.provenance import (
     CONFIG,
     EXPERIMENT,
+    OWN_CODE,
     RESULTS,
     TENSORBOARD,
     TRAINED,
@@ -27,6 +29,7 @@ from swamp_rl.json_text import read_json
 from swamp_rl.names import refuse_link
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import contents
+from swamp_rl.own_code import is_code, is_users_to_mend
 from swamp_rl.sums import all_but_folders
 from swamp_rl.unfinished import taken_up
 from swamp_rl.yaml_text import parsed
@@ -45,7 +48,8 @@ def job(
 
     trained: a folder whose data and pilots are taken over where they are not there yet. replaces: the marks
     of folders that may be replaced. Unfinished work of an experiment that differs in pilots not yet begun is
-    continued. A UserError leaves no recorded runs where no pilot is trained. Linear algebra has one thread
+    continued. A UserError, or one in the user's own code, leaves no recorded runs where no pilot is trained.
+    Linear algebra has one thread
     meanwhile, for the same bits everywhere.
     """
     held = description(scene)
@@ -58,8 +62,9 @@ def job(
             if trained is not None:
                 _take_over(trained, part)
             yield part, bars.logged_in(part / WORK / SECONDS)
-        except UserError:
-            _clear_untrained(part)
+        except Exception as error:
+            if is_users_to_mend(error):
+                _clear_untrained(part)
             raise
         for work in list(part.rglob(WORK)):
             shutil.rmtree(work)
@@ -77,13 +82,13 @@ def _clear_untrained(part: Path) -> None:
 def same_training(held: Mapping[str, bytes], folder: Path) -> bool:
     """Whether the data and pilots in `folder` are those of the job of the description `held`.
 
-    Targets may differ, and pilots of which nothing is there yet.
+    Targets may differ, and pilots of which nothing is there yet, with the code that they alone name.
     """
     found = {name: (folder / name).read_bytes() for name in held if (folder / name).is_file()}
-    others = found.keys() - {KEPT}
+    others = found.keys() - {KEPT, VERSIONS}
     if not {KEPT, VERSIONS} <= found.keys() or any(found[name] != held[name] for name in others):
         return False
-    if found[KEPT] == held[KEPT]:
+    if all(found[name] == held[name] for name in (KEPT, VERSIONS)):
         return True
     return not (folder / RESULTS).is_file() and _same_but_pilots(held, folder)
 
@@ -93,13 +98,26 @@ def _same_but_pilots(held: Mapping[str, bytes], folder: Path) -> bool:
     try:
         old = read_yaml(folder / KEPT)
         before, after = old["pilots"], new["pilots"]
-        changed = [name for name in before | after if before.get(name) != after.get(name)]
-        begun = any(_is_begun(folder / "pilots", name) for name in changed)
+        begun = {name for name in before | after if _is_begun(folder / "pilots", name)}
+        versions = json.loads(held[VERSIONS]), read_json(folder / VERSIONS, "remove it")
+        unlike = [key for key in {**versions[0], **versions[1]} if len({v.get(key) for v in versions}) > 1]
     except (UserError, KeyError, TypeError):  # of a file that no job wrote
         return False
     kept = new.keys() - {"pilots", "targets"}
     plain = new["claims"] is None and new["hidden"] is None
-    return plain and not begun and all(old.get(key) == new[key] for key in kept)
+    same = all(before.get(name) == after.get(name) for name in begun)
+    fixed = {key: new[key] for key in kept} | {"pilots": {name: after.get(name) for name in begun}}
+    free = {f"{OWN_CODE} {module}" for module in _modules([old, new]) - _modules(fixed)}
+    return plain and same and free.issuperset(unlike) and all(old.get(key) == new[key] for key in kept)
+
+
+def _modules(part: Any) -> set[str]:
+    """The modules of all code that a part of a configuration names."""
+    if isinstance(part, Mapping):
+        return _modules([*part, *part.values()])
+    if isinstance(part, list):
+        return {module for one in part for module in _modules(one)}
+    return {part.partition(":")[0]} if is_code(part) else set()
 
 
 def _is_begun(pilots: Path, name: str) -> bool:

@@ -20,6 +20,8 @@ from swamp_rl.pilots.own import SHIPPED, model_file, own_class, settings_of
 RESULTS, TRAINED = "results.json", "training.json"
 """Marks of a whole result and of one whose pilots are trained but not evaluated."""
 CONFIG, EXPERIMENT, VERSIONS = "config", "experiment.yaml", "versions.json"
+OWN_CODE = "own code"
+"""Before the name of a module in the versions."""
 WORK = ".work"
 """Folders of what is needed only until the result is whole."""
 TENSORBOARD = "tensorboard"
@@ -37,7 +39,8 @@ def description(scene: Scene) -> dict[str, bytes]:
     written = yaml_text(scene.experiment.model_dump(mode="json"))
     files = {f"{CONFIG}/{EXPERIMENT}": written.encode()}
     files |= {f"{CONFIG}/{name}": file.read_bytes() for name, file in config_files(scene).items()}
-    entries = versions() | {f"own code {name}": held for name, held in own_code_of(scene.experiment).items()}
+    own = own_code_of(scene.experiment)
+    entries = versions() | {f"{OWN_CODE} {module}": digest for module, digest in own.items()}
     return files | {VERSIONS: (json.dumps(entries, indent=2) + "\n").encode()}
 
 

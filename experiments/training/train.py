@@ -28,6 +28,7 @@ from swamp_rl.boat.digest import boat_digest
 from swamp_rl.boat.likeness import build_of
 from swamp_rl.errors import SettingsError, UserError, errors_at
 from swamp_rl.files import write_text
+from swamp_rl.own_code import fault_in_own_code
 from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.demonstrations import choose_runs
 from swamp_rl.pilots.description import FittedOn, Made
@@ -134,7 +135,7 @@ def train_pilots(
     Those that are there already are taken as they are, and a training that was cut short goes on where its
     learner can. What comes back is read from `folder`, so that a first life and a later one have the same.
     UserError, before any training, for settings that do not fit the runs; SettingsError for those with which
-    a training fails, and then it leaves nothing.
+    a training fails. That, or an error in the user's own code, leaves nothing of the pilot.
     """
     plans = scene.experiment.pilots
     order = in_order(plans, only)
@@ -149,9 +150,10 @@ def train_pilots(
             others = {other: _alone(pilot) for other, pilot in pilots.items()}
             try:
                 _train_into(folder, name, scene, dataset, others, progress)
-            except SettingsError:
-                _forget(folder, name)
-                shutil.rmtree(folder.parent / TENSORBOARD / name, ignore_errors=True)
+            except Exception as error:
+                if isinstance(error, SettingsError) or fault_in_own_code(error):
+                    _forget(folder, name)
+                    shutil.rmtree(folder.parent / TENSORBOARD / name, ignore_errors=True)
                 raise
         _forget(folder, name)
         pilots[name] = load_pilot(folder / name)

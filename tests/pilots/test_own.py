@@ -179,6 +179,52 @@ def test_what_is_wrong_in_the_users_own_module_is_reported_by_line(place: Path, 
         load_experiment(experiment(place, kind=f"broken_{number}:MyPilot"))
 
 
+STILL = """
+import numpy as np
+
+class Still:
+    senses, from_runs = ("surge",), False
+
+    @classmethod
+    def train(cls, training):
+        {train}
+
+    @classmethod
+    def load(cls, folder, settings):
+        return cls()
+
+    def save(self, folder): ...
+
+    def reset(self, boats): ...
+
+    def act(self, observed):
+        return np.zeros((len(observed), 2))
+"""
+
+
+@pytest.mark.parametrize("others", [[], ["scripted"]])
+def test_a_class_that_ends_with_an_error_is_corrected_and_the_command_repeated(
+    place: Path, monkeypatch: pytest.MonkeyPatch, others: list[str]
+) -> None:
+    file = experiment(place, kind="my_still:Still")
+    data = yaml.safe_load(file.read_text())
+    data["pilots"] = {name: data["pilots"][name] for name in (*others, "mine")}
+    file.write_text(yaml.safe_dump(data, sort_keys=False))
+
+    def train_as(line: str) -> None:
+        forget(monkeypatch)
+        sys.modules.pop("my_still", None)
+        (place / "my_still.py").write_text(STILL.format(train=line))
+        train_experiment(file, out=place / "out")
+
+    with pytest.raises(ValueError, match="oops"):
+        train_as("raise ValueError('oops')")
+    assert (place / ".part-out" / "pilots" / "scripted").exists() == bool(others)
+    assert (place / ".part-out").exists() == bool(others)
+    train_as("return cls()")
+    assert (place / "out" / "pilots" / "mine").is_dir()
+
+
 def test_a_file_that_an_own_pilot_does_not_find_again_is_reported_with_its_class(place: Path) -> None:
     file = place / "my_pilot.py"
     file.write_text(file.read_text().replace('load(folder / "network.pt"', 'load(folder / "net.pt"'))
