@@ -32,7 +32,7 @@ from swamp_rl.boat_fit.run_thrust import (
 )
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
 from swamp_rl.boat_numbers.number import Number
-from swamp_rl.boat_numbers.numbers import COMPASS, SATURATED, free_numbers
+from swamp_rl.boat_numbers.numbers import COMPASS, SATURATED, free_numbers, without_compass
 from swamp_rl.criticism.data.checks import refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
@@ -154,14 +154,13 @@ def _fitted_to_alike(
             LOG.info("thrust of each run not estimated: %s", error.what)
             return []
 
-    every = zip(free_numbers(begun.boat, positions), begun.x, strict=True)
+    every = zip(without_compass(free_numbers(begun.boat, positions)), begun.x, strict=True)
     thrusts = thrusts_of([Fitted(one, float(x), one.sd) for one, x in every])
     for _ in range(FITS):
         rest = _without(data.training, unlike(thrusts))
         left_out = sorted(set(data.training.names) - set(rest.names))
         LOG.info("fitting to all runs but %s", ", ".join(left_out) or "none")
-        wiring, short, with_current = short_fitted(rest, begun, positions)
-        made = fitted_boat(rest, wiring, short, with_current)
+        wiring, made = with_compass_if_seen(rest, begun, positions)
         numbers = numbers_of(made)
         thrusts = thrusts_of(numbers)
         if _without(data.training, unlike(thrusts)).names == rest.names:
@@ -232,13 +231,32 @@ def searched(training: RunSet, positions: bool = False) -> Wiring:
     return search_wiring(training, noise_levels(training), positions)
 
 
+def with_compass_if_seen(training: RunSet, begun: Wiring, positions: bool) -> tuple[Wiring, BoatFit]:
+    """The wiring with its numbers, and the fit of these to runs: with an offset of the compass if the fit to
+    short windows and that fit show one, else without it from the beginning.
+    """
+    wiring, short, with_current = short_fitted(training, begun, positions)
+    if _is_compass_seen(short):
+        made = fitted_boat(training, wiring, short, with_current)
+        if _is_compass_seen(numbers_of(made)):
+            return wiring, made
+    wiring, short, with_current = short_fitted(training, begun, positions, compass=False)
+    return wiring, fitted_boat(training, wiring, short, with_current)
+
+
+def _is_compass_seen(numbers: Sequence[Fitted]) -> bool:
+    """Whether the runs support the offset of the compass, if there is one among the numbers."""
+    return all(supported(one) for one in numbers if one.number.field == COMPASS)
+
+
 def short_fitted(
-    training: RunSet, wiring: Wiring, positions: bool = False
+    training: RunSet, wiring: Wiring, positions: bool = False, compass: bool = True
 ) -> tuple[Wiring, list[Fitted], bool]:
     """The wiring with the numbers of the fit to short windows, these, and whether a current is significant
-    there.
+    there; compass: whether an offset of the compass is free.
     """
-    numbers = free_numbers(wiring.boat, positions)
+    every = free_numbers(wiring.boat, positions)
+    numbers = every if compass else without_compass(every)
     run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x, with_current=True)
     LOG.info("fitting %d numbers to windows of %.3g s", len(numbers), SHORT)
     made = short_fit(run_set, weight, hypothesis, x)
@@ -248,18 +266,13 @@ def short_fitted(
 
 
 def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted], with_current: bool) -> BoatFit:
-    """The fit of a boat's numbers to runs, from those of the fit to short windows that these support, again
-    without an offset of the compass that it does not; with_current: whether each run has a mean current.
+    """The fit of a boat's numbers to runs, from those of the fit to short windows that these support;
+    with_current: whether each run has a mean current.
     """
     kept = [i for i, one in enumerate(short) if supported(one)]
-    while True:
-        LOG.info("fitting %d numbers to windows of %.3g s", len(kept), window_length(training.boat))
-        numbers = tuple(short[i].number for i in kept)
-        made = long_fit(*_begun(training, wiring, numbers, wiring.x[kept], with_current))
-        lost = [one.number for one in numbers_of(made) if one.number.field == COMPASS and not supported(one)]
-        if not lost:
-            return made
-        kept = [i for i in kept if short[i].number not in lost]
+    LOG.info("fitting %d numbers to windows of %.3g s", len(kept), window_length(training.boat))
+    numbers = tuple(short[i].number for i in kept)
+    return long_fit(*_begun(training, wiring, numbers, wiring.x[kept], with_current))
 
 
 def supported(one: Fitted) -> bool:
@@ -277,14 +290,14 @@ def supported(one: Fitted) -> bool:
 def _begun(
     training: RunSet, wiring: Wiring, numbers: tuple[Number, ...], x: Array, with_current: bool
 ) -> tuple[RunSet, Array, FreeBoat, Array]:
-    """Runs, weights (R, T, 6), hypothesis and x (p,) of the numbers x that a fit begins with, with a mean
-    wind of each run unless it was measured, and with a mean current where asked for.
+    """Runs, weights (R, T, 6), hypothesis and x (p,) that a fit begins with, with x for the first numbers;
+    with a mean wind of each run unless it was measured, and with a mean current where asked for.
     """
     run_set = advanced(replace(training, boat=wiring.boat), wiring.advance)
     weather = ["wind"] * ("wind_speed" not in run_set.measured_fields) + ["current"] * with_current
     hypothesis = free_boat(wiring.boat, numbers, len(run_set.lengths), weather)
     start = hypothesis.start()
-    start[: len(numbers)] = x
+    start[: len(x)] = x
     return run_set, weights(training, noise_levels(training)), hypothesis, start
 
 

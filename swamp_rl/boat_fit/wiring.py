@@ -11,7 +11,7 @@ from swamp_rl.boat_fit.command_offset import command_offset
 from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
 from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
 from swamp_rl.boat_fit.pieces import pieces
-from swamp_rl.boat_numbers.numbers import free_numbers
+from swamp_rl.boat_numbers.numbers import free_numbers, without_compass
 from swamp_rl.criticism.data.measurement_noise import weights
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.candidates import selectors
@@ -136,7 +136,7 @@ class _Trial:
     made: dict[tuple[bytes, float, float, int], tuple[float, Array]] = field(default_factory=dict)
 
     def hypothesis(self, boat: Boat) -> FreeBoat:
-        return free_boat(boat, free_numbers(boat, self.positions))
+        return free_boat(boat, without_compass(free_numbers(boat, self.positions)))
 
     def delay_column(self, boat: Boat) -> int:
         names = [number.name for number in self.hypothesis(boat).numbers]

@@ -48,6 +48,11 @@ def free_numbers(boat: Boat, positions: bool = False) -> tuple[Number, ...]:
     return tuple(_within(_narrowed(number, boat), plausible.get(number.name)) for number in found)
 
 
+def without_compass(numbers: Sequence[Number]) -> tuple[Number, ...]:
+    """The numbers but an offset of the compass, which most boats do not have."""
+    return tuple(one for one in numbers if one.field != COMPASS)
+
+
 def _as_loaded(boat: Boat) -> Boat:
     """The boat with the mass, inertia and centre of gravity that its effects give it."""
     record = parameters(boat)[0]

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from swamp_rl.boat_fit.identify import identify_boat, numbers_of
 from swamp_rl.boat_fit.pieces import split
 from swamp_rl.boat_fit.report import next_runs, not_better, summary
 from swamp_rl.boat_fit.wiring import Wiring
-from swamp_rl.boat_numbers.numbers import free_numbers
+from swamp_rl.boat_numbers.numbers import COMPASS, free_numbers, without_compass
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
@@ -155,17 +156,24 @@ def test_an_offset_of_the_compass_is_fitted_and_moves_no_other_number(tmp_path: 
     assert "too far counterclockwise" in line and "heading=HEADING - radians(-" in line
 
 
-def test_an_offset_of_the_compass_that_only_short_windows_show_is_not_kept(tmp_path: Path) -> None:
+def test_an_offset_of_the_compass_that_only_short_windows_show_leaves_the_fit_as_without_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=2, seconds=40.0)
-    numbers = free_numbers(runs.boat)
-    short = [
-        Fitted(one, 0.05, 0.01) if one.field == "heading_bias" else Fitted(one, one.mean, one.sd)
-        for one in numbers
-    ]
-    wired = Wiring(runs.boat, (), 0.0, free_boat(runs.boat, numbers).start())
-    made = identify.fitted_boat(runs, wired, short, with_current=False)
-    fields = [one.field for one in made.hypothesis.numbers]
-    assert "heading_bias" not in fields and "clock_offset" in fields
+    begun = Wiring(runs.boat, (), 0.0, free_boat(runs.boat, without_compass(free_numbers(runs.boat))).start())
+    wired, short, current = identify.short_fitted(runs, begun, compass=False)
+    alone = identify.fitted_boat(runs, wired, short, current)
+    shown = identify.short_fitted
+
+    def as_if_seen(*given: Any, **asked: Any) -> tuple[Wiring, list[Fitted], bool]:
+        wiring, found, with_current = shown(*given, **asked)
+        seen = [Fitted(one.number, 0.05, 0.01) if one.number.field == COMPASS else one for one in found]
+        return wiring, seen, with_current
+
+    monkeypatch.setattr(identify, "short_fitted", as_if_seen)
+    _, made = identify.with_compass_if_seen(runs, begun, positions=False)
+    assert made.hypothesis.numbers == alone.hypothesis.numbers
+    np.testing.assert_array_equal(made.fit.x, alone.fit.x)
 
 
 def test_thrusters_that_the_start_file_has_on_the_other_side_are_named_with_its_places(
@@ -351,7 +359,7 @@ def test_fitted_numbers_whose_boat_diverges_are_named_with_what_the_commands_rea
     truth = hidden(tmp_path, HIDDEN)
     sailed_dataset(tmp_path / "runs", tmp_path / "twin.yaml", truth, low=0.0, high=0.5)
     unstable = {"hull.n_r": 60.0, "hull.n_v": 40.0}  # standard deviations from the start file
-    numbers = free_numbers(load_boat(tmp_path / "twin.yaml"))
+    numbers = without_compass(free_numbers(load_boat(tmp_path / "twin.yaml")))
     far = [Fitted(one, one.mean + unstable.get(one.name, 0.0) * one.sd, one.sd) for one in numbers]
     wired = Wiring(load_boat(tmp_path / "twin.yaml"), (), 0.0, np.zeros(len(numbers)))
 
