@@ -48,12 +48,13 @@ def kinematic_findings(
     """
     if not motions:
         return [], []
-    if wrong := _wrong_heading(motions):
-        return wrong, []  # the other checks rest on the heading
+    doubted = _wrong_heading(motions)
+    if any(one.level == "fault" for one in doubted):
+        return doubted, []  # the other checks rest on the heading
     velocity, motions = _velocity_against_positions(motions)
     heading, motions = _heading_against_course(motions, exchanged)
     turning = _yaw_rate_against_heading(motions)
-    found = [*velocity, *heading, *turning]
+    found = [*doubted, *velocity, *heading, *turning]
     known = [one for one in motions if one.surge is not None]
     if known:
         surge = np.concatenate([one.surge for one in known if one.surge is not None])
@@ -69,10 +70,7 @@ def kinematic_findings(
 def _wrong_heading(motions: Sequence[Motion]) -> list[Finding]:
     """The findings of a heading that is not of the motion, or in another unit."""
     unrelated = heading_unrelated(motions)
-    if not unrelated:
-        return [one for one in _yaw_rate_against_heading(motions) if one.columns == ("heading",)]
-    certain = any(one.level == "fault" for one in unrelated)
-    return unrelated if certain else unrelated + _velocity_against_positions(motions)[0]
+    return unrelated or [one for one in _yaw_rate_against_heading(motions) if one.columns == ("heading",)]
 
 
 def _velocity_against_positions(motions: Sequence[Motion]) -> tuple[list[Finding], list[Motion]]:
