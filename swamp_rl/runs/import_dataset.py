@@ -22,6 +22,7 @@ from swamp_rl.runs.free_running import import_free_running, is_free_running
 from swamp_rl.runs.import_foreign import Foreign, Wishes, runs_from
 from swamp_rl.runs.import_telemetry import read_telemetry
 from swamp_rl.runs.kind_of_file import SUFFIXES
+from swamp_rl.runs.local_frame import Place, origin_of
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.run import Run
@@ -131,12 +132,16 @@ def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishe
 
 
 def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]:
-    """The runs of all tables; UserError with the faults of all that have any."""
+    """The runs of all tables, in one frame where they are near each other; UserError with the faults of all
+    that have any."""
     runs: list[Run] = []
+    origins: list[Place] = []
     refused: dict[str, list[str]] = {}  # what is wrong, and the files of which it is said
     for one in found:
         try:
-            runs += runs_from(one, wishes, boat)
+            runs += runs_from(one, wishes, boat, origins)
+            origin = origin_of(runs[-1].meta.model_extra or {})
+            origins += [origin] if origin is not None and origin not in origins else []
         except UserError as error:
             for line in dict.fromkeys(str(error).removesuffix(f"; {REFUSED}").splitlines()):
                 own = line.removeprefix(f"{one.file}: ")

@@ -18,7 +18,7 @@ from swamp_rl.runs.bad_rows import REFUSED, BadRows, gap_faults, listed, stretch
 from swamp_rl.runs.check import MISSING, REPEATS, check_table
 from swamp_rl.runs.columns import NO_THRUSTER, REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
-from swamp_rl.runs.local_frame import Place, to_local
+from swamp_rl.runs.local_frame import NEAR, Place, distance, to_local
 from swamp_rl.runs.resample import ANGLES, resampled
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta, of_part
@@ -67,8 +67,8 @@ class Foreign:
 class Wishes:
     """How to read a foreign table: `renamed` their names by ours; `units` (of UNITS) by our names;
     `dropped` their names of columns to leave out; `rate` [Hz] at which rows come, where they have no times to
-    be used; `resample` [Hz]; `origin` of north and east, by default the first place; `bad_rows` and `fill`
-    [s] as `stretches` has them; `earlier` [s] by which commands are taken earlier."""
+    be used; `resample` [Hz]; `origin` of north and east, by default the first place of the first table;
+    `bad_rows` and `fill` [s] as `stretches` has them; `earlier` [s] by which commands are taken earlier."""
 
     renamed: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
@@ -81,9 +81,11 @@ class Wishes:
     earlier: float = 0.0
 
 
-def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
+def runs_from(found: Foreign, wishes: Wishes, boat: Boat, origins: Sequence[Place] = ()) -> list[Run]:
     """The runs in a foreign table: one, or several where it is split at its bad rows.
 
+    origins: of tables imported before; the first one within NEAR of the table's first place is its origin,
+    where `wishes` name none.
     Headings and wind directions of up to a full turn are brought into (−π, π]; all else stays as it is.
     UserError lists the faults with file, row, column and what to do.
     """
@@ -95,7 +97,7 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat) -> list[Run]:
     if any(fault.row is not None for fault in late):
         unread["time"] = ~np.isfinite(columns["time"])
     faults += late
-    more, place = _place(found, columns, unread, wishes.origin)
+    more, place = _place(found, columns, unread, wishes.origin, origins)
     faults, metadata = faults + more, metadata | place
     _wrap_angles(columns)
     faults += check_table(found.file, Table(columns, rows, unread), boat, None)
@@ -305,7 +307,11 @@ def in_expression(name: str) -> str:
 
 
 def _place(
-    found: Foreign, columns: dict[str, Array], unread: dict[str, NDArray[np.bool_]], origin: Place | None
+    found: Foreign,
+    columns: dict[str, Array],
+    unread: dict[str, NDArray[np.bool_]],
+    origin: Place | None,
+    origins: Sequence[Place],
 ) -> tuple[list[Fault], dict[str, Any]]:
     """North and east from latitude and longitude [degrees], where the table has these only: the faults of
     these, and what to tell. A place of exactly 0, 0 is what receivers give without a fix. UserError for an
@@ -339,7 +345,8 @@ def _place(
         unread |= dict.fromkeys(("north", "east"), ~known)
         return faults or [Fault(found.file, None, "latitude", NO_NUMBER)], {}
     first = int(np.argmax(known))
-    origin = origin or (float(columns["latitude"][first]), float(columns["longitude"][first]))
+    start = float(columns["latitude"][first]), float(columns["longitude"][first])
+    origin = origin or next((one for one in origins if distance(start, one) <= NEAR), start)
     north, east = to_local(columns["latitude"][known], columns["longitude"][known], origin)
     for name, values in (("north", north), ("east", east)):
         columns[name] = np.full(len(rows), np.nan)
