@@ -18,7 +18,6 @@ from swamp_rl.logs.frames import (
     column_of,
     in_our_frame,
     names_by_column,
-    refuse_beyond_turn,
     refuse_halves,
 )
 from swamp_rl.logs.join import Series, joined
@@ -34,6 +33,7 @@ from swamp_rl.logs.mapped_column import (
     with_mixtures,
 )
 from swamp_rl.logs.mapping import Mapping, is_time
+from swamp_rl.logs.turns import refuse_beyond_turn, wrapped_where_known
 from swamp_rl.runs.bad_rows import first_of
 from swamp_rl.runs.check import repeated_times
 from swamp_rl.runs.columns import is_angle
@@ -98,7 +98,8 @@ def foreign_of(
     lost = condensed([fault for one in series.values() for _, fault in one.lost])
     metadata |= {"cells_left_out": first_of([str(fault) for fault in lost])} if lost else {}
     for name in series.keys() & {"yaw", *ANGLES}:
-        refuse_beyond_turn(log.file, name, series[name].time, series[name].values, mapping.units.get(name))
+        own, values = stamps[series[name].table], series[name].values
+        refuse_beyond_turn(log, mapping, name, found.get(name), own, values)
     rate = rate or _rate(log, series)
     grid = joined(log.file, series, rate, fill)
     columns = _in_our_frame(log, with_mixtures(grid.columns, mixed, mapping), mapping)
@@ -152,8 +153,10 @@ def _single(
     columns = {name: values_of(log, mapping, name, column, stamps) for name, column in found.items()}
     if set(QUATERNION) <= set(columns):
         columns["yaw"] = _yaw(columns)
-    if "yaw" in columns:  # it is wrapped, other angles are checked as they are
-        refuse_beyond_turn(log.file, "yaw", stamps.time, columns["yaw"], mapping.units.get("yaw"))
+    if "yaw" in columns:
+        refuse_beyond_turn(log, mapping, "yaw", found.get("yaw"), stamps, columns["yaw"])
+    for name in columns.keys() & set(ANGLES):
+        columns[name] = wrapped_where_known(log, mapping, name, found[name], stamps, columns[name])
     read = {theirs: name for name, column in found.items() for theirs in column.names.values()}
     faults = [
         fault if fault.column is None else _renamed(_mapped(fault, read[fault.column]), mapping)

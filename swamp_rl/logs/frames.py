@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 from swamp_rl.angles import wrapped
 from swamp_rl.errors import UserError
 from swamp_rl.logs.mapping import Frame, Mapping
-from swamp_rl.runs.check import FASTEST_TURN, counts_turns
 
 Array = NDArray[np.float64]
 
-TURN = 2.0 * math.pi + 1e-3  # rad, with the rounding of a log
 QUATERNION = ("qw", "qx", "qy", "qz")
 TOGETHER = (("x", "y"), QUATERNION, ("vx", "vy"), ("velocity_north", "velocity_east"))
 """Columns of which all or none must be mapped."""
@@ -65,36 +63,6 @@ def refuse_halves(names: Mapped[str, object]) -> None:
             raise UserError(
                 f"the mapping gives {ours} and {twice[0]}, which are one column of a run; drop one"
             )
-
-
-def refuse_beyond_turn(file: str, name: str, time: Array, angle: Array, unit: str | None) -> None:
-    """UserError for a mapped angle (T,) [rad] at times (T,) [s] that passes a turn and counts no turns, or in
-    a row alone; unit: its stated one."""
-    known = np.flatnonzero(np.isfinite(angle) & np.isfinite(time))
-    time, angle = time[known], angle[known]
-    later = np.diff(time, prepend=-math.inf) > 0.0
-    beyond = np.abs(angle) > TURN
-    counts = counts_turns(angle[later], time[later])
-    wrong = beyond & _apart(angle, time) if counts else beyond
-    if not wrong.any():
-        return
-    largest = int(np.argmax(np.abs(angle) * wrong))
-    if unit == "deg" or counts:
-        value = f"{np.degrees(angle[largest]):.4g} deg" if unit == "deg" else f"{angle[largest]:.4g} rad"
-        raise UserError(
-            f"{file}: --map {name}: row {known[largest] + 1}: {value} is more than a turn; correct it or "
-            "leave the row out"
-        )
-    raise UserError(
-        f"{file}: --map {name}: reaches {abs(angle[largest]):.4g} rad, as angles in degrees do; give it in "
-        f"radians (--degrees {name})"
-    )
-
-
-def _apart(angle: Array, time: Array) -> NDArray[np.bool_]:
-    """(T,) whether a row is over a quarter of a turn from both neighbours, and faster than a boat turns."""
-    jumps = np.abs(np.diff(angle)) > np.maximum(0.5 * math.pi, FASTEST_TURN * np.abs(np.diff(time)))
-    return np.append(jumps, True) & np.insert(jumps, 0, True)
 
 
 def in_our_frame(columns: Mapped[str, Array], frame_of: Callable[[str], Frame]) -> dict[str, Array]:

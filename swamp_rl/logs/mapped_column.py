@@ -124,9 +124,27 @@ def find(log: Log, where: str, word: str) -> tuple[str, str]:
 
 def values_of(log: Log, mapping: Mapping, name: str, column: Column, stamps: Stamps) -> Array:
     """A mapped column (T,) at the times of its table, in our unit."""
-    there = {word: log.tables[column.table].table.columns[theirs] for word, theirs in column.names.items()}
-    values = np.array(np.broadcast_to(evaluated(column.node, there, stamps.time), stamps.time.shape))
-    return _in_our_unit(values, name, mapping)
+    return _in_our_unit(_evaluated(column, _columns_read(log, column), stamps), name, mapping)
+
+
+def added_by(log: Log, mapping: Mapping, name: str, column: Column, stamps: Stamps) -> Array:
+    """The size (T,) of what an expression adds to one of its columns, in our unit: 4 of `compass + 4`.
+
+    The least of the sizes with one of its columns 0, so that of `compass + variation` it is the variation.
+    """
+    there = _columns_read(log, column)
+    without = [_evaluated(column, there | {word: np.zeros_like(there[word])}, stamps) for word in there]
+    sizes = [np.nan_to_num(np.abs(values)) for values in without] or [np.zeros(stamps.time.shape)]
+    return _in_our_unit(np.minimum.reduce(sizes), name, mapping)
+
+
+def _columns_read(log: Log, column: Column) -> dict[str, Array]:
+    """The columns of the log by their names in the expression."""
+    return {word: log.tables[column.table].table.columns[theirs] for word, theirs in column.names.items()}
+
+
+def _evaluated(column: Column, there: Mapped[str, Array], stamps: Stamps) -> Array:
+    return np.array(np.broadcast_to(evaluated(column.node, there, stamps.time), stamps.time.shape))
 
 
 def _in_our_unit(values: Array, name: str, mapping: Mapping) -> Array:

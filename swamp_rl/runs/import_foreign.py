@@ -3,7 +3,7 @@
 import math
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,7 @@ ROW_ALONE = (
     "is not a time",
     "is not a number",
     "no finite number",
+    "is more than a turn",
     "cut short",
     "does not come after",
 )
@@ -99,7 +100,8 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat, origins: Sequence[Plac
     faults += late
     more, place = _place(found, columns, unread, wishes.origin, origins)
     faults, metadata = faults + more, metadata | place
-    _wrap_angles(columns)
+    stated = (found.meta.model_extra or {}).get("units", {}) | wishes.units
+    faults += _wrap_angles(found, {name for name in ANGLES if stated.get(name) == "deg"}, columns, unread)
     faults += check_table(found.file, Table(columns, rows, unread), boat, None)
     faults += _spelled_otherwise(found, list(columns), boat)
     if wishes.bad_rows == "refuse":
@@ -170,8 +172,12 @@ def _has_stamps(found: Foreign) -> bool:
     return not found.mapped and found.dataset is None
 
 
-def _wrap_angles(columns: dict[str, Array]) -> None:
-    """Bring headings and wind directions of up to a full turn into (−π, π], where most of a column are."""
+def _wrap_angles(
+    found: Foreign, stated: Collection[str], columns: dict[str, Array], unread: dict[str, NDArray[np.bool_]]
+) -> list[Fault]:
+    """Bring headings and wind directions of up to a full turn into (−π, π], where most of a column are; the
+    faults of rows beyond a turn in columns stated to be in degrees."""
+    faults: list[Fault] = []
     for name in ANGLES:
         values = columns.get(name, np.zeros(0))
         known = values[np.isfinite(values)]
@@ -179,6 +185,16 @@ def _wrap_angles(columns: dict[str, Array]) -> None:
             turned = (np.abs(values) <= TURN) & ~((values > -math.pi) & (values <= math.pi))
             columns[name] = values.copy()
             columns[name][turned] = wrapped(values[turned])
+        if name in stated:
+            beyond = np.isfinite(values) & (np.abs(values) > TURN)
+
+            def message(i: int, values: Array = values) -> str:
+                return f"{math.degrees(values[i]):.6g} deg is more than a turn; correct it or cut the row"
+
+            faults += faults_at(found.file, name, found.table.rows, beyond, message)
+            unread[name] = unread.get(name, np.zeros(len(values), bool)) | beyond
+            columns[name] = np.where(beyond, np.nan, columns[name])
+    return faults
 
 
 def _spelled_otherwise(found: Foreign, names: Sequence[str], boat: Boat) -> list[Fault]:

@@ -93,7 +93,7 @@ def with_cell(name: str, row: int, value: object) -> dict[str, object]:
         (with_cell("x", 6, "inf"), WISHES, ["row 7", "not a finite number"]),
         (with_cell("t_ms", 6, 0), WISHES, ["row 7", "does not come after"]),
         (with_cell("t_ms", 6, 640), WISHES, ["row 7", "(--resample HZ)"]),
-        (with_cell("psi", 6, 800), WISHES, ["column heading", "degrees"]),
+        (with_cell("psi", 6, 800), WISHES, ["column heading: 800 deg is more than a turn"]),
         (foreign(), Wishes(renamed={**WISHES.renamed, "sway": "v"}), ["no column 'v'", "--column"]),
         (foreign(), Wishes(renamed={"time": "t_ms"}), ["column north", "--column north=THEIRS"]),
         (foreign(), Wishes(renamed=WISHES.renamed), ["column heading", "(--degrees heading)"]),
