@@ -150,7 +150,7 @@ def _pauses(
         if last > first:
             message = f"{one.table} has no value for {steps[i]:.3g} s{_cause(one, i)}"
             message += "; --fill SECONDS fills it, --bad-rows cuts"
-            faults.append(Fault(file, int(first) + 1, name, message, int(last)))
+            faults.append(Fault(file, int(first) + 1, name, message, int(last), pause=True))
     return missing, faults
 
 

@@ -20,7 +20,7 @@ REFUSED = "nothing was imported"
 FEWEST_ROWS = 10
 """Of a stretch that is kept: as many as `runs check` needs to compare heading with yaw rate."""
 MOST_BAD = 0.5
-"""Share of the rows: where more are bad, it is not the rows that are wrong."""
+"""Share of the rows outside of pauses: where more are bad, it is not the rows that are wrong."""
 GAP_STEPS = 3.0
 """Median steps: a longer one between uneven rows is a gap."""
 
@@ -79,10 +79,8 @@ def stretches(
     `cut` keeps the longest stretch, `split` all of FEWEST_ROWS or more. UserError where none remains.
     """
     time = columns["time"]
-    bad = np.zeros(len(rows), bool)
-    for fault in faults:
-        if fault.row is not None:
-            bad |= (rows >= fault.row) & (rows <= (fault.last or fault.row))
+    paused = _of_faults(rows, [fault for fault in faults if fault.pause])
+    bad = _of_faults(rows, faults)
     good = np.flatnonzero(~bad & np.isfinite(time))
     again = good[1:][np.diff(time[good]) == 0.0]
     good = np.setdiff1d(good, again)
@@ -103,11 +101,21 @@ def stretches(
     ]
     parts = np.split(good, np.flatnonzero(border) + 1)
     kept = [part for part in parts if len(part) >= FEWEST_ROWS]
-    if not kept or bad.mean() > MOST_BAD:
-        raise UserError(_hopeless(file, lines, even, float(bad.mean())))
+    share = float(np.mean(bad[~paused])) if not paused.all() else 0.0
+    if not kept or share > MOST_BAD:
+        raise UserError(_hopeless(file, lines, even, share))
     if policy == "cut":
         kept = [max(kept, key=len)]
     return Stretches(kept, _summary(rows, kept, lines))
+
+
+def _of_faults(rows: NDArray[np.int64], faults: Sequence[Fault]) -> NDArray[np.bool_]:
+    """Which rows have one of the faults."""
+    found = np.zeros(len(rows), bool)
+    for fault in faults:
+        if fault.row is not None:
+            found |= (rows >= fault.row) & (rows <= (fault.last or fault.row))
+    return found
 
 
 def _hopeless(file: str, lines: Sequence[str], even: bool, share: float) -> str:

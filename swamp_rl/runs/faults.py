@@ -16,7 +16,8 @@ NO_NUMBER = "holds no number in any row; record it, or leave the column out wher
 @dataclass(frozen=True, order=True)
 class Fault:
     """One fault: `row` counts the data rows from 1 (a CSV's header is line 1, so its row 1 is line 2); `last`
-    is the last row of the same fault, where it holds for consecutive rows, or for `alike` more that are not.
+    is the last row of the same fault, where it holds for consecutive rows, or for `alike` more that are not;
+    `pause`: its rows are of the even grid alone, in a pause of the messages.
     """
 
     file: str
@@ -25,6 +26,7 @@ class Fault:
     message: str
     last: int | None = None
     alike: int = 0
+    pause: bool = False
 
     def __str__(self) -> str:
         line = (

@@ -155,3 +155,18 @@ def test_a_pause_of_a_bag_is_left_out(tmp_path: Path, boat: str, bad_rows: BadRo
         imported(log, boat, [], Wishes())
     runs = imported(log, boat, [], Wishes(bad_rows=bad_rows))
     assert [len(run.time) for run in runs] == rows
+
+
+def test_a_pause_longer_than_the_rest_of_a_log_is_no_wrong_unit(tmp_path: Path, boat: str) -> None:
+    pytest.importorskip("rosbags")
+    log = bag(tmp_path / "log.bag", "ros1", pause=(5.0, 25.0))
+    runs = imported(log, boat, [], Wishes(bad_rows="split"))
+    assert [len(run.time) for run in runs] == [51, 51]
+
+
+def test_rows_beside_a_pause_that_are_bad_by_a_unit_are_still_refused(tmp_path: Path, boat: str) -> None:
+    pytest.importorskip("rosbags")
+    log = bag(tmp_path / "log.bag", "ros1", pause=(5.0, 25.0))
+    throttle = ["throttle_port=boat_odometry.pose.pose.position.x + 2"]
+    with pytest.raises(UserError, match="100% of the rows are bad, so a unit or the mapping is wrong"):
+        imported(log, boat, throttle, Wishes(bad_rows="split"))
