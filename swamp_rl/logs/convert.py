@@ -33,6 +33,7 @@ from swamp_rl.logs.mapped_column import (
     with_mixtures,
 )
 from swamp_rl.logs.mapping import Mapping, is_time
+from swamp_rl.logs.sparse_columns import is_sparse, messages_of
 from swamp_rl.logs.turns import refuse_beyond_turn, wrapped_where_known
 from swamp_rl.runs.bad_rows import first_of
 from swamp_rl.runs.check import repeated_times
@@ -43,7 +44,7 @@ from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.resample import ANGLES
 from swamp_rl.runs.schema import RunMeta
 from swamp_rl.runs.stamps import NO_TIME, PAST_MIDNIGHT, Stamps, from_numbers, from_words, on_one_day
-from swamp_rl.runs.table import Table, cell_text
+from swamp_rl.runs.table import EMPTY, Table, cell_text
 from swamp_rl.runs.units import factor
 
 Array = NDArray[np.float64]
@@ -57,9 +58,10 @@ def foreign_of(
     """The table of a run that the mapping makes of the log.
 
     rate [Hz]: of the joined rows, by default that of the table with the position; the rows of a table
-    without times of its own stay as they are. fill [s]: pauses of a table that are interpolated.
-    counted [Hz]: of the rows of one table, in place of its times. UserError for a column that is not there, a
-    mapping that does not fit together, tables without a common time.
+    without times of its own stay as they are, unless it has a sparse column: then its messages are joined.
+    fill [s]: pauses of a table that are interpolated. counted [Hz]: of the rows of one table, in place of its
+    times. UserError for a column that is not there, a mapping that does not fit together, tables without a
+    common time.
     """
     refuse_halves(mapping.columns)
     nodes = {name: node for name, node in mapping.columns.items() if not is_time(name)}
@@ -82,24 +84,24 @@ def foreign_of(
     metadata |= {"velocity_axes": "earth"} if {"vx", "velocity_north"} & found.keys() else {}
     times = [one.note for one in stamps.values() if one.note]
     metadata |= {"times": max(times, key=lambda one: PAST_MIDNIGHT in one)} if times else {}
+    messages: dict[str, str] = {}
     if len(used) == 1 and log.tables[used[0]].time is None:
-        return _single(log, mapping, found, stamps[used[0]], metadata)
+        own = {name: values_of(log, mapping, name, one, stamps[used[0]]) for name, one in found.items()}
+        messages = messages_of(used[0], own)
+        if not messages:
+            return _single(log, mapping, found, stamps[used[0]], metadata)
     _refuse_coarse_clocks(log, stamps)
     shifts = _clocks(log, mapping, stamps)
     metadata |= {"clocks": "; ".join(text for _, text in shifts.values())} if shifts else {}
-    first = min(one.start for one in stamps.values())
-    series = {}
-    for name, column in found.items():
-        table = column.table or used[0]
-        offset = stamps[table].start - first + shifts.get(table, (0.0, ""))[0]
-        time, values = stamps[table].time + offset, values_of(log, mapping, name, column, stamps[table])
-        series[name] = Series(table, time, values, _lost(log, mapping, name, column, time))
+    series = _series(
+        log, mapping, found, stamps, {name: shift for name, (shift, _) in shifts.items()}, messages
+    )
     series = _without_quaternion(log, series)
     lost = condensed([fault for one in series.values() for _, fault in one.lost])
     metadata |= {"cells_left_out": first_of([str(fault) for fault in lost])} if lost else {}
     for name in series.keys() & {"yaw", *ANGLES}:
-        own, values = stamps[series[name].table], series[name].values
-        refuse_beyond_turn(log, mapping, name, found.get(name), own, values)
+        table = found[name if name in found else "qw"].table or used[0]
+        refuse_beyond_turn(log, mapping, name, found.get(name), stamps[table], series[name].values)
     rate = rate or _rate(log, series)
     grid = joined(log.file, series, rate, fill)
     columns = _in_our_frame(log, with_mixtures(grid.columns, mixed, mapping), mapping)
@@ -108,9 +110,31 @@ def foreign_of(
     faults = [_renamed(fault, mapping) for fault in of_mixtures(grid.faults, mixed)]
     table_of_all = Table(columns, rows, unread, faults)
     metadata["joined"] = grid.note
-    return Foreign(
-        log.file, log.name, table_of_all, RunMeta.model_validate(metadata), mapped=names_by_column(mapping)
-    )
+    meta, mapped = RunMeta.model_validate(metadata), names_by_column(mapping)
+    return Foreign(log.file, log.name, table_of_all, meta, mapped=mapped, even=True)
+
+
+def _series(
+    log: Log,
+    mapping: Mapping,
+    found: Mapped[str, Column],
+    stamps: Mapped[str, Stamps],
+    shifts: Mapped[str, float],
+    messages: Mapped[str, str],
+) -> dict[str, Series]:
+    """The mapped columns at their times, those of tables by their shifts [s]; messages: what those of one
+    table are called, where it has sparse columns, whose empty cells are no lost ones."""
+    first = min(one.start for one in stamps.values())
+    series = {}
+    for name, column in found.items():
+        table = column.table or next(iter(stamps))
+        offset = stamps[table].start - first + shifts.get(table, 0.0)
+        time, values = stamps[table].time + offset, values_of(log, mapping, name, column, stamps[table])
+        lost = _lost(log, mapping, name, column, time)
+        if messages and is_sparse(values):
+            lost = [cell for cell in lost if not cell[1].message.startswith(EMPTY)]
+        series[name] = Series(messages.get(name, table), time, values, lost)
+    return series
 
 
 def _without_marks(log: Log, mapping: Mapping, found: Mapped[str, Column], table: str) -> LogTable:
@@ -207,7 +231,8 @@ def _renamed(fault: Fault, mapping: Mapping) -> Fault:
 def _stamps(log: Log, table: LogTable, mapping: Mapping, counted: float | None) -> Stamps:
     """The times of a table: counted [Hz], or as the mapping says, else its own."""
     if counted is not None:
-        return Stamps(np.arange(len(table.table.rows)) / counted, 0.0, None)
+        note = f"counted, {counted:g} rows a second"
+        return Stamps(np.arange(len(table.table.rows)) / counted, 0.0, note)
     name = mapping.time_of(table.name)
     where, node = f"--map {name}", mapping.columns.get(name)
     if node is None:

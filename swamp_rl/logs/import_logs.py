@@ -93,10 +93,7 @@ def import_logs(
         for one, log in zip(single, logs, strict=True)
     ]
     single = [part for one in single for part in kept_parts(one)]
-    even = all("joined" in (one.meta.model_extra or {}) for one in single)
-    rest = replace(wishes, units={})
-    rest = replace(rest, resample=None, fill=0.0) if even else rest
-    return import_tables(single, out, about, rest)
+    return import_tables(single, out, about, replace(wishes, units={}))
 
 
 def _own_boat(sources: Sequence[Path]) -> str | Path | None:
@@ -126,7 +123,7 @@ def _refuse_units(mapping: Mapping, units: Mapped[str, str]) -> None:
 
 def _common_rate(single: Sequence[Foreign]) -> float | None:
     """The median rate [Hz] of joined logs of about one rate; None where they have one, or differ by more."""
-    if not all("joined" in (one.meta.model_extra or {}) for one in single):
+    if not all(one.even for one in single):
         return None
     rates = [1.0 / float(np.median(np.diff(one.table.columns["time"]))) for one in single]
     apart = max(rates) / min(rates)

@@ -29,9 +29,8 @@ class Fault:
     pause: bool = False
 
     def __str__(self) -> str:
-        line = (
-            f" (line {self.row + 1})" if self.row is not None and self.file.lower().endswith(".csv") else ""
-        )
+        in_text = self.file.lower().endswith(".csv") and not self.pause
+        line = f" (line {self.row + 1})" if self.row is not None and in_text else ""
         row = [] if self.row is None else [f"row {self.row}{line}"]
         column = [] if self.column is None else [f"column {self.column}"]
         message = self.message

@@ -115,7 +115,7 @@ def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishe
 
     UserError lists the faults of all tables, and then there is no `out`.
     """
-    if wishes.fill and wishes.resample is None:
+    if wishes.fill and wishes.resample is None and not any(one.even for one in found):
         raise UserError(
             "--fill: fills gaps of joined tables and of --resample HZ; give that, or leave it out"
         )
@@ -275,7 +275,7 @@ def _described(
     about: About, boat: Boat, metadata: DatasetMeta | None, runs: Sequence[Run], wishes: Wishes
 ) -> DatasetMeta:
     """`dataset.yaml` of the new dataset; entries of the source's own stay, except those given."""
-    rate = wishes.resample or wishes.rate or rate_of(runs)
+    rate = wishes.resample or rate_of(runs)
     if metadata is not None and abs(metadata.sample_rate / rate - 1.0) < 1e-6:
         rate = metadata.sample_rate
     particulars = metadata if metadata is not None and about.boat is None else boat

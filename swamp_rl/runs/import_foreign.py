@@ -23,7 +23,7 @@ from swamp_rl.runs.resample import ANGLES, resampled
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta, of_part
 from swamp_rl.runs.stamps import FASTEST, NO_TIME, from_numbers
-from swamp_rl.runs.table import Table
+from swamp_rl.runs.table import EMPTY, Table
 from swamp_rl.runs.units import IN_DEGREES, factor
 
 Array = NDArray[np.float64]
@@ -52,7 +52,7 @@ class Foreign:
     """A table as a file has it, columns under their names there; `meta` and `dataset` are what the file
     itself tells of the run and its dataset, where it does, and `copies` the files of its boat and course;
     `home` is the folder of a dataset whose copies lie beside the file; `mapped`: the names that a mapping has
-    for the columns that it made."""
+    for the columns that it made; `even`: its rows are those of an even grid already."""
 
     file: str
     name: str
@@ -62,6 +62,7 @@ class Foreign:
     copies: Mapping[str, bytes] = field(default_factory=dict)
     home: Path | None = None
     mapped: Mapping[str, str] = field(default_factory=dict)
+    even: bool = False
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,8 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat, origins: Sequence[Plac
     Headings and wind directions of up to a full turn are brought into (−π, π]; all else stays as it is.
     UserError lists the faults with file, row, column and what to do.
     """
+    if found.even:
+        wishes = replace(wishes, rate=None, resample=None, fill=0.0)
     columns, faults, unread = _renamed(found, wishes)
     rows, metadata = found.table.rows, found.meta.model_dump(exclude={"file", "rows"})
     if not found.table.columns:
@@ -307,7 +310,13 @@ def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:
         return f"{fault}{hint}"
     elif any(words in fault.message for words in ROW_ALONE):
         hint += " (--bad-rows cut or split)"
+        hint += "; --map joins columns that come in some rows only" if _is_seldom(fault, mapped) else ""
     return f"{fault}{hint}"
+
+
+def _is_seldom(fault: Fault, mapped: Mapping[str, str]) -> bool:
+    """Whether a column is empty in several stretches of rows that were imported without a mapping."""
+    return bool(fault.alike) and not mapped and fault.message.startswith(EMPTY)
 
 
 def option_of(words: str, column: str | None) -> str:

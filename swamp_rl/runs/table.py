@@ -27,6 +27,8 @@ MOST_ODD_ROWS = 1_000
 """Rows of another length than the header's after which a file is read no further."""
 MOST_CELLS = 4 * 10**7
 """Of a file: a number takes 8 bytes of memory, however few it has in the file."""
+EMPTY = "is missing; fill it in or remove the row and those after it"
+"""What is wrong with an empty cell."""
 TICKS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
 """In a second, by the unit of a column of times."""
 
@@ -180,7 +182,7 @@ def _numbers(file: str, data: pa.Table, rows: NDArray[np.int64], faults: list[Fa
 def _no_number(cells: pa.ChunkedArray, index: int) -> str:
     cell = cell_text(cells, index)
     if not cell:
-        return "is missing; fill it in or remove the row and those after it"
+        return EMPTY
     hint = " (use a point, not a comma)" if "," in cell else ""
     if hint and "." in cell:
         hint = " (leave out what separates thousands)"
