@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, Thruster
+from swamp_rl.runs.check import jumps_beyond_turn
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.schema import RunMeta
 
@@ -21,6 +22,7 @@ def with_nearest_azimuths(found: Foreign, boat: Boat) -> Foreign:
 
     A thruster without limits turns the shorter way, so that a log within one turn is unwrapped; a log that
     passes one turn counts already. An angle outside a thruster's limits is the equivalent one within them.
+    A column that jumps beyond a turn is not in radians and stays as it is.
     """
     columns, notes = dict(found.table.columns), []
     for thruster in boat.thrusters:
@@ -28,6 +30,8 @@ def with_nearest_azimuths(found: Foreign, boat: Boat) -> Foreign:
         if not isinstance(thruster, Thruster) or name is None or name not in columns:
             continue
         values = columns[name]
+        if jumps_beyond_turn(values):
+            continue
         if math.isinf(thruster.azimuth_max):
             columns[name] = _unwrapped(values)
         else:

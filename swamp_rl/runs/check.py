@@ -104,7 +104,7 @@ def _near_miss(name: str, names: list[str]) -> str:
 
 def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]:
     values = table.columns[name]
-    if span == ENDLESS and _jumps(values):
+    if span == ENDLESS and jumps_beyond_turn(values):
         span = ONE_TURN
     if len(values) and np.isnan(values).all() and not table.unread.get(name, np.zeros(1, bool)).any():
         return [Fault(file, None, name, NO_NUMBER)]
@@ -129,7 +129,7 @@ def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]
     )
 
 
-def _jumps(azimuth: NDArray[np.float64]) -> bool:
+def jumps_beyond_turn(azimuth: NDArray[np.float64]) -> bool:
     """Whether an azimuth [rad] begins, or goes from row to row, more than a turn away: it counts no turns.
 
     Every direction lies within a turn of where it points, so such a column is not in radians.
@@ -152,14 +152,15 @@ def counts_turns(heading: NDArray[np.float64], time: NDArray[np.float64] | None)
 def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:
     """What to do about a column that leaves its span, from how far it does."""
     largest = np.abs(values).max()
+    if span.unit in ("1", "rad") and np.quantile(np.abs(values), 0.5) >= 800.0 and largest <= 2500.0:
+        times = "" if span.unit == "1" else f" * {_greatest(span):.4g}"
+        return f"it looks like a pulse width in us, map it to the range, as in (pwm - 1500) / 400{times}"
     if span.unit in ("rad", "rad/s") and largest > 2.0 * math.pi + 1e-6:
         return f"it looks like degrees, give it in {span.unit} (multiply by pi/180)"
     if span.unit == "rad" and span.above:
         return WRAP
     if span.unit == "1" and 1.0 < largest <= 100.0 and largest > 2.0:
         return "it looks like percent, divide by 100"
-    if span.unit == "1" and np.quantile(np.abs(values), 0.5) >= 800.0 and largest <= 2500.0:
-        return "it looks like a pulse width in us, map it to the range, as in (pwm - 1500) / 400"
     if span.unit == "1" and 1.0 < largest <= BARELY_BEYOND:
         return "a little beyond its range, clip it, as in clip((pwm - 1510) / 400, -1, 1)"
     if span.unit == "1" and span.low == 0.0 and values.min() < 0.0 and largest <= 1.0:
@@ -167,6 +168,11 @@ def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:
     if span.unit in ("m", "m/s"):
         return f"correct it, or give the column in {span.unit}"
     return "correct it, or the limits of the boat file"
+
+
+def _greatest(span: Span) -> float:
+    """The greatest size [rad] of an angle, half a turn of one without limits."""
+    return span.high if span.high < math.pi else math.pi
 
 
 def _check_time(

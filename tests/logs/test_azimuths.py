@@ -7,6 +7,7 @@ import pytest
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.logs.azimuths import with_nearest_azimuths
+from swamp_rl.runs.check import check_column
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.table import Table
 
@@ -45,3 +46,17 @@ def test_a_log_that_counts_turns_and_missing_values_stay_as_they_are() -> None:
 def test_an_angle_outside_the_limits_is_the_equivalent_one_within_them() -> None:
     within, _ = given([330.0, 30.0, -120.0, 100.0], swamp(azimuth_min=-math.pi / 4, azimuth_max=math.pi / 4))
     assert within == pytest.approx([-30.0, 30.0, -120.0, 100.0])  # the last two: none within
+
+
+@pytest.mark.parametrize(("limit", "factor"), [(0.6, "0.6"), (math.inf, "3.142")])
+def test_a_pulse_width_is_no_angle_and_reported_as_such(limit: float, factor: str) -> None:
+    boat = swamp(azimuth_min=-limit, azimuth_max=limit)
+    pulses = [1500.0, 1508.0, 1708.0, 1320.0]  # 1508 rad are 240 turns
+    stays, found = given(np.degrees(pulses).tolist(), boat)
+    assert np.radians(stays) == pytest.approx(pulses)
+    column = str(boat.thrusters[0].command_columns[0])
+    (fault,) = check_column("log.csv", column, found.table, boat)
+    assert (fault.row, fault.last) == (0, 3)
+    assert f"looks like a pulse width in us, map it to the range, as in (pwm - 1500) / 400 * {factor}" in str(
+        fault
+    )
