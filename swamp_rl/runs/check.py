@@ -64,7 +64,7 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
     elif repeated := repeated_times(table.columns.get("time", np.zeros(0))):
         faults.append(Fault(file, None, "time", f"{REPEATS}: {repeated}; give each row its own"))
     elif table.whole and "time" in table.columns and np.isfinite(table.columns["time"]).all():
-        late = _check_time(file, table.columns["time"], table.rows, sample_rate)
+        late = _check_order(file, table) or _check_rate(file, table.columns["time"], table.rows, sample_rate)
         faults += late or _check_degrees_against_yaw_rate(file, table.columns)
     return faults
 
@@ -175,19 +175,34 @@ def _greatest(span: Span) -> float:
     return span.high if span.high < math.pi else math.pi
 
 
-def _check_time(
+def _check_order(file: str, table: Table) -> list[Fault]:
+    """The faults of times that do not increase, with what to do about each."""
+    time = table.columns["time"]
+    steps = np.diff(time)
+    if (steps > 0.0).all():
+        return []
+    cells = np.stack(list(table.columns.values()))
+    before, after = cells[:, :-1], cells[:, 1:]
+    same = np.all((before == after) | (np.isnan(before) & np.isnan(after)), axis=0)
+    found = []
+    for wrong, remedy in (
+        (steps < 0.0, "put the rows in order of time"),
+        ((steps == 0.0) & same, "the row is there twice, leave one out"),
+        ((steps == 0.0) & ~same, "give each row its own time"),
+    ):
+
+        def message(i: int, remedy: str = remedy) -> str:
+            return f"{time[i + 1]:.6g} s does not come after {time[i]:.6g} s; {remedy}"
+
+        found += faults_at(file, "time", table.rows[1:], wrong, message)
+    return found
+
+
+def _check_rate(
     file: str, time: NDArray[np.float64], rows: NDArray[np.int64], sample_rate: float | None
 ) -> list[Fault]:
+    """The faults of increasing times that are not at the sample rate, or at no fixed one."""
     steps = np.diff(time)
-    back = faults_at(
-        file,
-        "time",
-        rows[1:],
-        steps <= 0.0,
-        lambda i: f"{time[i + 1]:.6g} s does not come after {time[i]:.6g} s; put the rows in order of time",
-    )
-    if back:
-        return back
     period = 1.0 / sample_rate if sample_rate else typical_step([time])
     named = f"{1.0 / period:.6g} Hz" + (" of dataset.yaml" if sample_rate else "")
     uneven = np.abs(steps - period) > STEP_TOLERANCE * period

@@ -99,7 +99,25 @@ def test_a_row_that_does_not_come_later_is_found(good: Path, row: int) -> None:
     columns["time"][row] = columns["time"][row - 1]
     fault = faults_of(good, columns)[0]
     assert (fault.row, fault.column) == (row + 1, "time")
-    assert "order of time" in fault.message
+    assert "its own time" in fault.message
+
+
+@pytest.mark.parametrize(
+    ("names", "target", "remedy"),
+    [
+        (sorted(circling()), 5, "the row is there twice, leave one out"),
+        (["time"], 5, "give each row its own time"),
+        (["time"], 3, "put the rows in order of time"),
+    ],
+)
+def test_a_time_that_does_not_increase_is_reported_with_its_own_remedy(
+    good: Path, names: list[str], target: int, remedy: str
+) -> None:
+    columns = circling()
+    for name in names:
+        columns[name][6] = columns[name][target]
+    (fault,) = [fault for fault in faults_of(good, columns) if fault.row == 7]
+    assert fault.message.endswith(f"; {remedy}")
 
 
 @given(st.integers(1, ROWS - 2))
