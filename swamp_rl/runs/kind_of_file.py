@@ -41,6 +41,11 @@ REMEDIES = {
     ".tlog": "import the autopilot's .bin log of the same time",
 }
 """What to do with files that are not read, by their suffixes."""
+BEGINNINGS = {
+    b"FMT,": "it is a DataFlash log converted to text; import the autopilot's .bin log that it was made of",
+    b"$G": f"it holds NMEA sentences; {REMEDIES['.nmea']}",
+}
+"""The same of text files, by their first bytes."""
 MCAP = b"\x89MCAP0\r\n\x01"
 BEFORE_PROFILE = len(MCAP) + 8 + 4
 """Bytes of an MCAP file that begin it, with the header's opcode, and those before the profile's text: lengths
@@ -61,7 +66,7 @@ def kind_of(sources: Sequence[Path]) -> str:
     found = {kind: source for source in reversed(sources) for kind in _kinds(source)}
     if None in found:
         unknown = found[None]
-        if advice := REMEDIES.get(unknown.suffix.lower()):
+        if advice := _remedy(unknown):
             raise UserError(f"{unknown}: is not read; {advice}")
         raise UserError(
             f"{unknown}: neither its suffix nor its header tells what it is; give --from, one of "
@@ -73,6 +78,15 @@ def kind_of(sources: Sequence[Path]) -> str:
             f"({', '.join(sorted(map(str, found)))}); give --from with one of them"
         )
     return str(next(iter(found)))
+
+
+def _remedy(path: Path) -> str | None:
+    """What to do with a file that is not read, by its suffix or its first bytes."""
+    if path.suffix.lower() in TEXTS and path.is_file():
+        with ordinary(path, None).open("rb") as stream:
+            begin = stream.read(max(map(len, BEGINNINGS)))
+        return next((remedy for first, remedy in BEGINNINGS.items() if begin.startswith(first)), None)
+    return REMEDIES.get(path.suffix.lower())
 
 
 def _kinds(source: Path) -> set[str | None]:

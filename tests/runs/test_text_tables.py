@@ -70,10 +70,15 @@ def test_whole_numbers_may_be_names(tmp_path: Path) -> None:
         (
             "log.txt",
             "$GPGGA,022718.80,2234.0,N,11431.9,E\n$GPGGA,022719.80,2234.0,N,11431.9,E\n",
-            "give --from",
+            "is not read; it holds NMEA sentences; convert it to CSV",
         ),
         ("log.txt", "Lake test\nt x y\n0 1 2\n", "give --from"),
         ("log.log", "", "give --from"),
+        (
+            "1.log",
+            "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nATT, 101, 0,0,0,0,12.3\n",
+            "is not read; it is a DataFlash log converted to text; import the autopilot's .bin log",
+        ),
         ("log.txt", "t,°\n0,1\n", "give --from"),
         ("day.xlsx", "PK", "is not read; save the sheet as CSV"),
         ("day.csv.gz", "", "is not read; unpack it"),
