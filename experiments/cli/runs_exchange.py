@@ -1,7 +1,8 @@
 """`swamp-rl runs import` and `runs export`: datasets from and for other programs."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import typer
 from swamp_rl.experiments.cli.place import place_of
@@ -69,7 +70,8 @@ Resample = Annotated[float | None, typer.Option(min=1e-3, max=1e6, help="Resampl
 Origin = Annotated[
     str | None,
     typer.Option(
-        metavar="LATITUDE,LONGITUDE", help="Origin of north and east; by default the first position."
+        metavar="LATITUDE,LONGITUDE",
+        help="Origin of north and east; by default the first log's first position.",
     ),
 ]
 Topic = Annotated[str | None, typer.Option(help="Topic of an MCAP file with several.")]
@@ -205,6 +207,7 @@ def _tell(out: Path, made: "DatasetMeta", option: str) -> None:
         entries = run.model_extra or {}
         lines = [f"{key.replace('_', ' ')}: {entries[key]}" for key in NOTED if key in entries]
         lines += [*entries.get("cells_left_out", ()), *entries.get("rows_left_out", ())]
+        lines += _origin(made, entries)
         for line in dict.fromkeys(lines):
             told.setdefault(line, []).append(str(run.file))
     for line, files in told.items():
@@ -216,6 +219,21 @@ def _tell(out: Path, made: "DatasetMeta", option: str) -> None:
     typer.echo(
         f"{out}: {counted(len(made.runs), 'run')}, {rows} rows at {made.sample_rate:g} Hz, {made.source}"
     )
+
+
+def _origin(made: "DatasetMeta", entries: Mapping[str, Any]) -> list[str]:
+    """A line with the origin of a run of several, and how far it is from that of the first run with one."""
+    from swamp_rl.runs.local_frame import distance, origin_of
+
+    origins = [origin_of(run.model_extra or {}) for run in made.runs]
+    own, first = origin_of(entries), next((one for one in origins if one is not None), None)
+    if own is None or first is None or len(made.runs) == 1:
+        return []
+    line = f"origin of north and east: {own[0]:.9g}, {own[1]:.9g}"
+    if own != first:
+        line += f", {distance(own, first) / 1000.0:.3g} km from {first[0]:.9g}, {first[1]:.9g}"
+        line += "; positions about different origins do not compare (--origin sets one for all)"
+    return [line]
 
 
 def _without_commands(out: Path, made: "DatasetMeta", option: str) -> str:

@@ -31,7 +31,7 @@ LAG = 0.3  # prior width of a time constant, in lengths over top speed
 SATURATION = 0.3
 SATURATED = "efficiency_100"  # field of the record
 COMPASS = "heading_bias"  # field of the record
-DEVIATION = 0.05  # rad, prior width of an offset of the compass: mounting and deviation
+DEVIATION = 0.1  # rad, prior width of an offset of the compass: declination, mounting and deviation
 DERIVATIVE = 0.02  # prior width [1] of a hull derivative beside its share, which may be 0 or of either sign
 
 

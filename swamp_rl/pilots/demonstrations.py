@@ -38,8 +38,8 @@ def choose_runs(
     wanted = " or ".join(outcomes) + ("" if skill is None else f" and the skill {skill}")
     if not chosen:
         raise UserError(
-            f"none of {counted(len(runs), 'run')} has the outcome {wanted}; record some, or allow another "
-            "outcome"
+            f"none of {counted(len(runs), 'run')} has the outcome {wanted}; record some, or name others "
+            "(outcomes: [success, OTHER] of the pilot)"
         )
     if count is not None and len(chosen) < count:
         raise UserError(

@@ -257,3 +257,16 @@ def test_a_boat_that_the_dataset_names_too_may_be_named_again(
         again = call(verb, folder, "--boat", "swamp")
         assert again[:2] == call(verb, folder)[:2]
         assert_complains(call(verb, folder, "--boat", "swamp-thesis"), "whose numbers differ", "--boat")
+
+
+def test_the_origin_of_several_logs_is_told_and_one_of_a_log_far_away(
+    call: Callable[..., Called], tmp_path: Path
+) -> None:
+    pytest.importorskip("pyproj")
+    for name, start in ("a", 45.0), ("b", 45.001), ("c", 46.0):
+        lines = [f"{0.1 * i:.1f},{start + 1e-6 * i:.6f},9,0" for i in range(20)]
+        (tmp_path / f"{name}.csv").write_text("\n".join(["time,latitude,longitude,heading", *lines]) + "\n")
+    code, text, _ = call("import", "a.csv", "b.csv", "c.csv", "--out", "day")
+    assert code == 0
+    assert "a.parquet and 1 other: origin of north and east: 45, 9\n" in text
+    assert "c.parquet: origin of north and east: 46, 9, 111 km from 45, 9; positions about different" in text
