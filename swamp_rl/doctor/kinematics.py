@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.smooth import Motion
+from swamp_rl.doctor.surge_is_speed import surge_is_speed
 from swamp_rl.doctor.unrelated import heading_unrelated, measured_against_positions
-from swamp_rl.html_page import with_error
 
 Array = NDArray[np.float64]
 
@@ -28,11 +28,6 @@ TIED = 0.7
 """Correlation from which the ratio of two records is a unit: half of the variance is common."""
 SPEEDS = {"kn": 1.0 / KNOT, "km/h": 3.6, "cm/s": 100.0, "mm/s": 1000.0, "ft/s": 1.0 / FOOT}
 TURNS = {"deg/s": 180.0 / math.pi, "rpm": 30.0 / math.pi}
-EXCESS = 0.5
-"""Greatest distance from 1 of the share of the difference between speed and velocity along the heading that
-surge contains, where it is taken for the speed: surge contains none of the difference, the speed all."""
-CERTAIN = 2.5
-"""Standard errors by which the share must exceed 1 less `EXCESS`."""
 UNIT_TOLERANCE = 0.25
 """Of the logarithm of a ratio: half the distance between knots and feet per second, or 1 and knots, is 0.23
 and 0.33."""
@@ -60,7 +55,7 @@ def kinematic_findings(
         surge = np.concatenate([one.surge for one in known if one.surge is not None])
         moved = np.concatenate([one.velocity * np.conj(one.direction) for one in known])
         found += _surge_against_speed(known, surge, moved.real)
-        found += _speed_for_surge(known, surge, moved)
+        found += surge_is_speed(known) if not velocity + heading else []
     signs = [finding.figures.get("sign", 1.0) for finding in turning]
     if signs and signs[0] < 0.0:
         motions = [_with_flipped_yaw_rate(one) for one in motions]
@@ -219,35 +214,6 @@ def _surge_against_speed(known: Sequence[Motion], given: Array, moved: Array) ->
             )
         )
     return found
-
-
-def _speed_for_surge(known: Sequence[Motion], given: Array, moved: NDArray[np.complex128]) -> list[Finding]:
-    """Whether surge is the speed over ground, by regression on the velocity along and across the heading,
-    which a constant error of the heading mixes, and on the difference between the speed and the first.
-
-    given, moved: (N,) surge, velocity along + i across the heading [m/s] of all motions `known`.
-    """
-    by = np.column_stack([moved.real, moved.imag, np.abs(moved) - moved.real])
-    found, _, rank, _ = np.linalg.lstsq(by, given, rcond=1e-9)
-    along, _, excess = found.tolist()
-    if rank < by.shape[1] or along <= 0.0:
-        return []
-    left = given - by @ found
-    rows = float(np.mean([one.rows for one in known]))  # of a window, whose errors are correlated
-    error = float(np.sqrt(np.mean(left**2) * rows * np.linalg.inv(by.T @ by)[2, 2])) / along
-    share = excess / along
-    if not 1.0 - EXCESS + CERTAIN * error < share < 1.0 + EXCESS:
-        return []
-    message = (
-        f"is the speed over ground: it contains {with_error(share, error)} of the difference between that "
-        "and the velocity along the heading, of which a surge contains none"
-    )
-    advice = (
-        "leave it out, or import it with the course over ground: velocity_north=speed*cos(radians(course)), "
-        "velocity_east=speed*sin(radians(course))"
-    )
-    figures = {"share": share, "standard_error": error}
-    return [Finding("fault", "surge_is_speed", ("surge",), message, advice, figures=figures)]
 
 
 def _unit(ratio: float, units: dict[str, float]) -> str | None:

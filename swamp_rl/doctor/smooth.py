@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.doctor.own_samples import between_samples
 from swamp_rl.runs import Run
 
 Array = NDArray[np.float64]
@@ -17,12 +18,14 @@ NOISE_SHARE = 0.2
 
 @dataclass(frozen=True)
 class Motion:
-    """A run's motion over windows of `window` s: (T,) velocity over ground north + i east [m/s], unit complex
-    heading, rate of heading [rad/s], measured yaw rate, surge and sway over the same windows or None."""
+    """A run's motion over windows of `window` s: (T,) position north + i east [m], interpolated between its
+    own samples, velocity over ground north + i east [m/s], unit complex heading, rate of heading [rad/s],
+    measured yaw rate, surge and sway over the same windows or None."""
 
     run: Run
     step: float
     window: float
+    position: NDArray[np.complex128]
     velocity: NDArray[np.complex128]
     direction: NDArray[np.complex128]
     turning: Array
@@ -96,17 +99,19 @@ def motion_of(run: Run) -> Motion | None:
     needed = ("north", "east", "heading")
     if not set(needed) <= set(run.columns) or len(run.time) < 20:
         return None
-    north, east = run.columns["north"], run.columns["east"]
     heading = np.unwrap(run.columns["heading"])
     step = float(np.median(np.diff(run.time)))
     if not step > 0.0 or not all(np.isfinite(run.columns[name]).all() for name in needed):
         return None
-    noise = np.hypot(noise_of(north), noise_of(east))
-    for window in WINDOWS:
+    (north, apart), (east, other) = (between_samples(run.columns[name]) for name in ("north", "east"))
+    apart = max(apart, other)
+    noise = np.hypot(noise_of(north[::apart]), noise_of(east[::apart]))
+    for shortest in WINDOWS:
+        window = max(shortest, 2.0 * apart * step)  # three samples
         rows = rows_of(window, step)
         if 2 * rows > len(north):
             break
-        error = noise * slope_error(rows, step)
+        error = noise * slope_error(rows_of(window, apart * step), apart * step)
         velocity = slope(north, rows, step) + 1j * slope(east, rows, step)
         speed = float(np.sqrt(np.mean(np.abs(velocity) ** 2)))
         if error <= NOISE_SHARE * speed and speed > 0.0:
@@ -118,5 +123,5 @@ def motion_of(run: Run) -> Motion | None:
             }
             turning = slope(heading, rows, step)
             measured = (known.get(name) for name in ("yaw_rate", "surge", "sway"))
-            return Motion(run, step, window, velocity, unit, turning, *measured)
+            return Motion(run, step, window, north + 1j * east, velocity, unit, turning, *measured)
     return None

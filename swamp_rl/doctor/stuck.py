@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.doctor.commands import is_command
 from swamp_rl.doctor.finding import Finding
+from swamp_rl.doctor.own_samples import holds, usual_hold, usual_slope
 from swamp_rl.runs import Run
 
 Array = NDArray[np.float64]
@@ -42,7 +43,7 @@ def stuck_findings(runs: Sequence[Run], measured: bool = True) -> list[Finding]:
             if stay and run.columns[name][stay[0]] != CALM.get(name):
                 first, last = stay
                 places.setdefault(name, []).append((run.name, run.time[first], run.time[last]))
-            elif (hold := _usual_hold(run.columns[name])) >= SELDOM:
+            elif (hold := usual_hold(run.columns[name])) >= SELDOM:
                 repeated[name] = max(hold, repeated.get(name, 0.0))
     found = [
         Finding(
@@ -70,36 +71,13 @@ def _measured(name: str, run: Run) -> bool:
     return known and not is_command(name) and bool(np.isfinite(values).all()) and len(values) > FEWEST_ROWS
 
 
-def _holds(values: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """First row and number of rows of each stretch of one value."""
-    starts = np.concatenate([[0], np.flatnonzero(np.diff(values) != 0.0) + 1])
-    return starts, np.diff(np.append(starts, len(values)))
-
-
-def _usual_hold(values: Array) -> float:
-    """Median of the rows between two changes, weighted by the change that ends them: of a boat at rest a
-    sensor changes by its last digit, seldom."""
-    starts, lengths = _holds(values)
-    if len(lengths) <= 5:
-        return 0.0
-    order = np.argsort(lengths[:-1], kind="stable")
-    passed = np.cumsum(np.abs(np.diff(values[starts]))[order])
-    return float(lengths[order[np.searchsorted(passed, 0.5 * passed[-1])]])
-
-
-def _usual_slope(values: Array) -> float:
-    """Median rows of one slope: of a channel that was interpolated between slower samples, their distance."""
-    span = float(np.ptp(values))
-    return _usual_hold(np.round(np.diff(values) / span, 9)) if span > 0.0 else 0.0
-
-
 def _stay(values: Array, others: Sequence[Array]) -> tuple[int, int] | None:
     """First and last row of the longest stay at one value, where it is no ordinary one and others moved."""
-    starts, lengths = _holds(values)
+    starts, lengths = holds(values)
     longest = int(np.argmax(lengths))
     rows = int(lengths[longest])
     rest = np.delete(lengths, longest)
-    usual = max(float(np.quantile(rest, 0.9)) if len(rest) else 0.0, _usual_slope(values))
+    usual = max(float(np.quantile(rest, 0.9)) if len(rest) else 0.0, usual_slope(values))
     whole = rows == len(values)
     if rows < FEWEST_ROWS or (not whole and rows <= LONGEST_HOLD * max(usual, 1.0)):
         return None

@@ -142,7 +142,9 @@ def _course_unrelated(motions: Sequence[Motion]) -> list[Finding]:
 def _longer(motion: Motion) -> NDArray[np.complex128]:
     """The velocity over ground over windows LONGER times as long."""
     rows = rows_of(LONGER * motion.window, motion.step)
-    north, east = (slope(motion.run.columns[name], rows, motion.step) for name in ("north", "east"))
+    north, east = (
+        slope(values, rows, motion.step) for values in (motion.position.real, motion.position.imag)
+    )
     return np.asarray(north + 1j * east)
 
 

@@ -219,27 +219,6 @@ def test_a_seeded_fault_is_named_with_its_column(what: str, sound: list[Run], tw
     assert all("\n" not in str(finding) for finding in found)
 
 
-@pytest.mark.parametrize("unit", [1.0, 1.944], ids=["m/s", "kn"])
-def test_a_speed_over_ground_in_place_of_surge_is_named_where_a_boat_drifts(unit: float, twin: Boat) -> None:
-    turning = driven(twin, 0.6)
-    assert faults(turning, twin) == []
-    fast = [
-        Run(run.name, run.columns | {"surge": unit * np.hypot(run.columns["surge"], run.columns["sway"])})
-        for run in turning
-    ]
-    (found,) = [one for one in faults(fast, twin) if one.code == "surge_is_speed"]
-    assert found.figures["share"] == pytest.approx(1.0, abs=0.15)
-
-
-def test_a_surge_that_contains_more_than_the_speed_does_is_not_taken_for_it(twin: Boat) -> None:
-    def more(columns: Columns) -> Columns:
-        excess = np.hypot(columns["surge"], columns["sway"]) - columns["surge"]
-        return {**columns, "surge": columns["surge"] + 5.0 * excess}
-
-    turning = [Run(run.name, more(dict(run.columns))) for run in driven(twin, 0.6)]
-    assert "surge_is_speed" not in {one.code for one in faults(turning, twin)}
-
-
 @pytest.mark.parametrize(
     ("units", "advice"),
     [
