@@ -64,11 +64,12 @@ def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0
     vessel, seed = _loaded(boat), whole_number("simulate: seed", seed, 0)
     if isinstance(commands, Run):
         given = commands.columns
-        _refuse_out_of_range({name: given[name] for name in _columns(vessel) if name in given}, None, 1)
+        named = {name: given[name] for name in _columns(vessel) if name in given}
+        _refuse_out_of_range(named, given.get("time"), None, 1)
         return replay(vessel, commands)
-    rows = _commands(vessel, commands)
     if not (is_number(step) and 0.0 < step <= 10.0):
         raise UserError(f"simulate: step must be above 0 and at most 10 s, not {step!r}")
+    rows = _commands(vessel, commands, step)
     return record_run(vessel, rows, step, NOISELESS, np.random.default_rng(seed), "simulated")
 
 
@@ -164,7 +165,7 @@ def _named(name: str, one: Estimate, doubt: str | None) -> Identified:
     return Identified(name, one.value, one.low, one.high, one.unit, doubt)
 
 
-def _commands(boat: Boat, given: ArrayLike) -> NDArray[np.float64]:
+def _commands(boat: Boat, given: ArrayLike, step: float) -> NDArray[np.float64]:
     wanted = 2 * len(boat.thrusters)
     try:
         rows = np.asarray(given, dtype=np.float64)
@@ -178,7 +179,8 @@ def _commands(boat: Boat, given: ArrayLike) -> NDArray[np.float64]:
     if not np.isfinite(rows).all():
         row, column = np.argwhere(~np.isfinite(rows))[0]
         raise UserError(f"simulate: commands: row {row}, column {column} is not a finite number")
-    _refuse_out_of_range({name: rows[:, j] for name, j in _columns(boat).items()}, boat, 0)
+    named = {name: rows[:, j] for name, j in _columns(boat).items()}
+    _refuse_out_of_range(named, step * np.arange(len(rows), dtype=np.float64), boat, 0)
     return rows
 
 
@@ -188,9 +190,15 @@ def _columns(boat: Boat) -> dict[str, int]:
     return {name: j for j, name in enumerate((*angles, *levels)) if name is not None}
 
 
-def _refuse_out_of_range(columns: dict[str, NDArray[np.float64]], boat: Boat | None, first: int) -> None:
-    """UserError for the first value that a dataset may not hold. first: the number of the first row."""
-    table = Table(columns, first + np.arange(max(map(len, columns.values()), default=0)))
+def _refuse_out_of_range(
+    columns: dict[str, NDArray[np.float64]], time: NDArray[np.float64] | None, boat: Boat | None, first: int
+) -> None:
+    """UserError for the first value that a dataset may not hold.
+
+    time: (T,) [s] of the rows, if known; first: the number of the first.
+    """
+    numbers = first + np.arange(max(map(len, columns.values()), default=0))
+    table = Table(columns if time is None else columns | {"time": time}, numbers)
     for name in columns:
         for fault in check_column("simulate: commands", name, table, boat):
             raise UserError(str(fault))

@@ -144,6 +144,15 @@ def test_a_runs_commands_in_percent_are_refused_and_azimuths_that_count_turns_ar
     assert swamp_rl.simulate("swamp", turning).columns["azimuth_bs"][-1] == 20.0
 
 
+def test_azimuths_in_degrees_that_turn_a_little_in_each_step_are_refused() -> None:
+    swinging = straight_ahead(200, 0.5)
+    swinging[:, :K] = np.degrees(0.6 * np.sin(0.1 * np.arange(200)))[:, None]
+    with pytest.raises(UserError, match=r"row 2, column azimuth_bs: .*degrees"):
+        swamp_rl.simulate("swamp", swinging)
+    swinging[:, :K] = np.radians(swinging[:, :K])
+    swamp_rl.simulate("swamp", swinging)
+
+
 def test_circles_to_either_side_are_mirror_images() -> None:
     done = swamp_rl.trial("turning-circle", "swamp", throttle=[0.6], angle_deg=[30, -30], turns=2)
     starboard, port = (result.figures["steady_diameter"].value for _, result in done)

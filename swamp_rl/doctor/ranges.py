@@ -8,14 +8,12 @@ from numpy.typing import NDArray
 
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
-from swamp_rl.runs.check import FASTEST_TURN
+from swamp_rl.runs.check import TURN, command_counts_turns, counts_turns
 
 Array = NDArray[np.float64]
 
 ANGLES = ("heading", "wind_from", "azimuth_", "rudder_", "applied_azimuth_", "applied_rudder_")
 LEVELS = ("throttle_", "applied_throttle_", "joy_")
-FASTEST = {"heading": FASTEST_TURN}
-"""rad/s, by column, of an angle that turns on and on; of the others a turn a second."""
 LARGEST_RUDDER = 0.5 * math.pi
 """rad: no rudder turns further."""
 SCALES = ((1.5, 105.0, 0.01, "percent"), (105.0, 2500.0, 1.0 / 400.0, "pulse widths in microseconds"))
@@ -59,18 +57,11 @@ def _fault(name: str, message: str, advice: str, largest: float) -> Finding:
 def _in_degrees(name: str, runs: Sequence[Run], largest: float) -> bool:
     if "rudder_" in name:
         return largest > LARGEST_RUDDER + 1e-6
-    if largest <= math.tau + 1e-6:
+    if largest <= TURN:
         return False
-    return any(not _counts_turns(run.columns[name], run.time, FASTEST.get(name, math.tau)) for run in runs)
-
-
-def _counts_turns(angle: Array, time: Array, fastest: float) -> bool:
-    """Whether an angle [rad] may pass a full turn: it begins within one, is never more than one away from the
-    row before, and nearly always turns more slowly than `fastest` [rad/s], which its degrees would not."""
-    known = np.isfinite(angle)
-    turned, steps = np.abs(np.diff(angle[known], prepend=0.0)), np.diff(time[known])
-    speed = turned[1:][steps > 0.0] / steps[steps > 0.0]
-    return bool(turned.max() <= math.tau + 1e-6 and not (len(speed) and np.quantile(speed, 0.95) > fastest))
+    if name == "heading":
+        return any(not counts_turns(run.columns[name], run.time, farthest=TURN) for run in runs)
+    return any(not command_counts_turns(run.columns[name], run.time) for run in runs)
 
 
 def _scaled(run: Run, factors: dict[str, float]) -> Run:

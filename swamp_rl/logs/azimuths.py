@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, Thruster
-from swamp_rl.runs.check import jumps_beyond_turn
+from swamp_rl.runs.check import command_counts_turns
 from swamp_rl.runs.import_foreign import Foreign
 from swamp_rl.runs.schema import RunMeta
 
@@ -30,7 +30,7 @@ def with_nearest_azimuths(found: Foreign, boat: Boat) -> Foreign:
         if not isinstance(thruster, Thruster) or name is None or name not in columns:
             continue
         values = columns[name]
-        if jumps_beyond_turn(values):
+        if not command_counts_turns(values, None):
             continue
         if math.isinf(thruster.azimuth_max):
             columns[name] = _unwrapped(values)

@@ -19,6 +19,8 @@ STEP_TOLERANCE = 0.05  # of the period, for one step: room for times rounded to 
 DRIFT_TOLERANCE = 0.5  # of the period, over the whole run
 DEGREES = 180.0 / math.pi
 FASTEST_TURN = 1.5  # rad/s that a boat keeps up; in degrees a second hardly more than a drift
+FASTEST_COMMAND = 2.0 * math.pi  # rad/s of the azimuth of a thruster without limits, in most rows
+TURN = 2.0 * math.pi + 1e-6  # rad
 MOST_REPEATED = 0.5
 """Of the steps of time: where more are 0, the clock is coarser than the rows."""
 BARELY_BEYOND = 1.1
@@ -104,7 +106,7 @@ def _near_miss(name: str, names: list[str]) -> str:
 
 def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]:
     values = table.columns[name]
-    if span == ENDLESS and jumps_beyond_turn(values):
+    if span == ENDLESS and not command_counts_turns(values, table.columns.get("time")):
         span = ONE_TURN
     if len(values) and np.isnan(values).all() and not table.unread.get(name, np.zeros(1, bool)).any():
         return [Fault(file, None, name, NO_NUMBER)]
@@ -129,24 +131,33 @@ def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]
     )
 
 
-def jumps_beyond_turn(azimuth: NDArray[np.float64]) -> bool:
-    """Whether an azimuth [rad] begins, or goes from row to row, more than a turn away: it counts no turns.
+def counts_turns(
+    angle: NDArray[np.float64],
+    time: NDArray[np.float64] | None,
+    fastest: float = FASTEST_TURN,
+    farthest: float = math.inf,
+) -> bool:
+    """Whether an angle (T,) [rad] may pass a full turn: it begins within one, and nearly always turns more
+    slowly than `fastest` [rad/s], which its degrees would not.
 
-    Every direction lies within a turn of where it points, so such a column is not in radians.
+    time: (T,) [s]; without it the rate is not judged. farthest: greatest step between rows [rad].
     """
-    return bool((np.abs(np.diff(azimuth[np.isfinite(azimuth)], prepend=0.0)) > 2.0 * math.pi + 1e-6).any())
+    known = np.isfinite(angle) if time is None else np.isfinite(angle) & np.isfinite(time)
+    turned = np.abs(np.diff(angle[known], prepend=0.0))
+    if not len(turned) or turned[0] > TURN or turned.max() > farthest:
+        return False
+    if time is None:
+        return True
+    steps = np.diff(time[known])
+    speed = turned[1:][steps > 0.0] / steps[steps > 0.0]
+    return not len(speed) or bool(np.quantile(speed, 0.95) < fastest)
 
 
-def counts_turns(heading: NDArray[np.float64], time: NDArray[np.float64] | None) -> bool:
-    """Whether a heading (T,) [rad] out of range goes on from turn to turn in radians: it begins within one
-    turn and no boat turns as fast as its degrees would have it.
+def command_counts_turns(azimuth: NDArray[np.float64], time: NDArray[np.float64] | None) -> bool:
+    """`counts_turns` of the azimuth of a thruster without limits: every direction lies within a turn of where
+    it points, and it mostly turns less than once a second.
     """
-    if time is None or not (np.isfinite(heading).all() and np.isfinite(time).all()) or len(heading) < 3:
-        return False
-    steps = np.diff(time)
-    if (steps <= 0.0).any() or abs(heading[0]) > 2.0 * math.pi:
-        return False
-    return bool(np.quantile(np.abs(np.diff(heading)) / steps, 0.95) < FASTEST_TURN)
+    return counts_turns(azimuth, time, FASTEST_COMMAND, TURN)
 
 
 def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:

@@ -208,10 +208,18 @@ def test_rows_with_the_same_fault_here_and_there_are_reported_in_one_line() -> N
 
 def test_an_azimuth_may_count_its_turns_but_not_jump_by_more_than_one(good: Path) -> None:
     columns = circling()
-    columns["azimuth_bs"] = np.linspace(0.0, 40.0, ROWS)
+    columns["azimuth_bs"] = np.linspace(0.0, 12.6, ROWS)
     assert faults_of(good, columns) == []
     columns["azimuth_bs"][-1] += 7.0
     assert {fault.column for fault in faults_of(good, columns)} == {"azimuth_bs"}
+
+
+def test_an_azimuth_in_degrees_that_is_turned_slowly_is_called_so(good: Path) -> None:
+    columns = circling()
+    columns["azimuth_bs"] = np.degrees(0.6 * np.sin(columns["time"]))
+    faults = faults_of(good, columns)
+    assert {fault.column for fault in faults} == {"azimuth_bs"}
+    assert "looks like degrees" in faults[0].message
 
 
 def test_throttle_in_percent_is_called_so(good: Path) -> None:
