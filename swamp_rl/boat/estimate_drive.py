@@ -18,9 +18,11 @@ STEER_RATE = 0.5  # of an outboard, a nozzle or a rudder, times √(L/g)
 STEER = math.radians(30.0)  # most that an outboard or a nozzle turns
 RUDDER = math.radians(35.0)
 ADVANCE = 0.4  # J of the propeller at the top speed
+LEAST_ADVANCE = 0.3  # where J of 0.4 has no room below 0.7 of the draught
 K_T = (0.3278, -0.3323, -0.156)  # of a propeller with P/D = 0.72
 PITCH = 0.7151
-WIDEST_SCREW = 0.7  # diameter over draught
+WIDEST_SCREW = 0.7  # diameter over draught, of a propeller within the depth of the hull
+WIDEST_BELOW = 0.5  # diameter over breadth, of one that reaches below the hull
 CORNERS = (
     ("bow_port", 1.0, -1.0),
     ("bow_starboard", 1.0, 1.0),
@@ -192,12 +194,16 @@ def _wake(sizes: Sizes) -> tuple[float, float]:
 def _screw(sizes: Sizes) -> tuple[float, float]:
     """Diameter D [m] and greatest revolutions n [rps].
 
-    (1 − t) ρ n² D⁴ K_T(0) = T at rest, and J = U (1 − w)/(n D) = 0.4 at the top speed unless D would then be
-    beyond 0.7 d.
+    (1 − t) ρ n² D⁴ K_T(0) = T at rest, and J = U (1 − w)/(n D) = 0.4 at the top speed. Where D would then be
+    beyond 0.7 d, it is 0.7 d, but at least that of J = 0.3, up to B/2: screws of shallow hulls reach below
+    them. J = 0.3 is a slip of 0.58 at P/D = 0.72, that of a boat of 5 knots by 1.4 / kn^0.57 (Gerr,
+    Propeller Handbook 1989); faster ones have less.
     """
     wake, deduction = _wake(sizes)
     root = math.sqrt(sizes.thrust / ((1.0 - deduction) * sizes.water_density * K_T[0]))  # n D²
-    diameter = min(root * ADVANCE / (sizes.speed * (1.0 - wake)), WIDEST_SCREW * sizes.draught)
+    best, least = (root * advance / (sizes.speed * (1.0 - wake)) for advance in (ADVANCE, LEAST_ADVANCE))
+    below = min(least, WIDEST_BELOW * sizes.breadth)
+    diameter = min(best, max(WIDEST_SCREW * sizes.draught, below))
     return diameter, root / diameter**2
 
 
@@ -233,7 +239,10 @@ def _propeller(sizes: Sizes, diameter: float) -> dict[str, Any]:
     wake, deduction = _wake(sizes)
     return {
         "diameter": assumed(
-            diameter, "m", "J of 0.4 at the top speed, 0.7 of the draught at most", 0.2 * diameter
+            diameter,
+            "m",
+            "J of 0.4 at the top speed; 0.7 of the draught, or J of 0.3, at most",
+            0.2 * diameter,
         ),
         "pitch_ratio": assumed(PITCH, "1", OSAKA, 0.15),
         "thrust_deduction": assumed(deduction, "1", "0.7 of the wake, Weingart", 0.05),

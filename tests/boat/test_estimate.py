@@ -185,6 +185,35 @@ def test_the_thrust_at_rest_is_the_one_given(tmp_path: Path, kind: Kind) -> None
     assert reference_of(new_boat(tmp_path, kind, thrust=33.0)).thrust == pytest.approx(33.0, rel=0.01)
 
 
+SCREWS = [  # length, breadth [m], mass [kg], thrust [N], top speed [m/s]; diameters [m] and revolutions [rps]
+    ((0.5, 0.16, 0.8, 2.0, None), (0.02, 0.04), (80.0, 350.0)),
+    ((0.7, 0.3, 1.8, 2.0, None), (0.025, 0.05), (80.0, 350.0)),
+    ((0.7, 0.3, 1.8, 4.0, None), (0.025, 0.05), (80.0, 350.0)),
+    ((1.0, 0.3, 5.0, 20.0, None), (0.03, 0.06), (80.0, 350.0)),
+    ((3.0, 0.49, 245.0, 20.0, None), (0.08, 0.16), (10.0, 30.0)),
+    ((5.0, 2.0, 800.0, 2500.0, None), (0.25, 0.4), (20.0, 60.0)),
+    ((10.0, 3.0, 6000.0, 8000.0, None), (0.4, 0.7), (10.0, 40.0)),
+    ((30.0, 9.0, 6e5, 3e5, 6.5), (2.0, 3.0), (3.0, 7.0)),
+]
+"""Of model boats, a ship model (that of the Esso Osaka: 3 m, 0.084 m), a workboat, a launch and a tug."""
+
+
+@pytest.mark.parametrize(("sizes", "diameters", "rates"), SCREWS)
+def test_a_propeller_has_the_size_of_those_of_such_boats(
+    sizes: tuple[float, float, float, float, float | None],
+    diameters: tuple[float, float],
+    rates: tuple[float, float],
+    tmp_path: Path,
+) -> None:
+    content = boat_file("new", "propeller-rudder", *sizes)
+    (main,) = content["thrusters"]
+    assert diameters[0] < main["propeller"]["diameter"]["value"] < diameters[1]
+    assert rates[0] < main["revolutions_max"]["value"] < rates[1]
+    path = tmp_path / "boat.yaml"
+    path.write_text(annotated(content, "a test"), encoding="utf-8")
+    parameters(load_boat(path))
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_number_of_a_new_file_is_assumed_with_its_source(tmp_path: Path, kind: Kind) -> None:
     boat = new_boat(tmp_path, kind)
