@@ -42,7 +42,7 @@ SENSES = (
     Sense("yaw_rate", "rad/s", "of the heading"),
     Sense("gate_ahead", "m", "from midship to the middle of the next gate, in the boat's frame"),
     Sense("gate_starboard", "m", "as `gate_ahead`"),
-    Sense("gate_cos", "1", "of the gate's direction relative to the bow, clockwise", -1.0, 1.0),
+    Sense("gate_cos", "1", "of the direction of passage, not the bearing, from the bow clockwise", -1.0, 1.0),
     Sense("gate_sin", "1", "as `gate_cos`", -1.0, 1.0),
     Sense("gates_passed", "1", "so far", 0.0, GATES),
     Sense(

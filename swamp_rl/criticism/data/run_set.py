@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property, partial
 from pathlib import Path
 from typing import Literal
 
@@ -320,13 +320,12 @@ def _filled(index: NDArray[np.int64], commands: Array) -> tuple[Array, list[tupl
 
 def _gaps(runs: list[tuple[Array, list[tuple[int, int]]]]) -> tuple[Gap, ...]:
     """Of the commands (T, 2K) and the lost rows of each run."""
+    share_returned = cache(partial(_share_returned, [commands for commands, _ in runs]))
 
     def is_unknown(commands: Array, row: int, rows: int) -> bool:
         if _differ(commands[row - 1], commands[row + rows]):
             return True
-        if rows <= options().longest_gap:
-            return False
-        return _share_returned([one for one, _ in runs], rows) > options().returned_command
+        return rows > options().longest_gap and share_returned(rows) > options().returned_command
 
     return tuple(
         Gap(run, row, rows)
