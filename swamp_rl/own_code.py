@@ -62,7 +62,7 @@ def fault_in_own_code(error: BaseException) -> str | None:
     return _message(error, files) if _place(error, files) else None
 
 
-def is_users_to_mend(error: Exception) -> bool:
+def is_user_fault(error: Exception) -> bool:
     """Whether an error is a UserError or arose in code that the user named: no fault of this package's."""
     return isinstance(error, UserError) or fault_in_own_code(error) is not None
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.files import UNFINISHED, flush, flush_whole, os_error, write_beside
-from swamp_rl.own_code import is_users_to_mend
+from swamp_rl.own_code import is_user_fault
 from swamp_rl.replacement import NAMED, list_written, refuse_to_replace
 
 
@@ -80,7 +80,7 @@ def taken_up(
             try:
                 yield part
             except Exception as error:
-                if is_users_to_mend(error) and not _finished(part, description):
+                if is_user_fault(error) and not _finished(part, description):
                     shutil.rmtree(part, ignore_errors=True)
                 raise
             try:

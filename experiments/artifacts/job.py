@@ -29,7 +29,7 @@ from swamp_rl.json_text import read_json
 from swamp_rl.names import refuse_link
 from swamp_rl.one_thread import one_thread
 from swamp_rl.ordinary import contents
-from swamp_rl.own_code import is_code, is_users_to_mend
+from swamp_rl.own_code import is_code, is_user_fault
 from swamp_rl.sums import all_but_folders
 from swamp_rl.unfinished import taken_up
 from swamp_rl.yaml_text import parsed
@@ -63,7 +63,7 @@ def job(
                 _take_over(trained, part)
             yield part, bars.logged_in(part / WORK / SECONDS)
         except Exception as error:
-            if is_users_to_mend(error):
+            if is_user_fault(error):
                 _clear_untrained(part)
             raise
         for work in list(part.rglob(WORK)):
