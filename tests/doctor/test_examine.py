@@ -16,19 +16,9 @@ from swamp_rl.runs.import_dataset import About
 from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
 from swamp_rl.simulator.replay import replay
-from tests.support.doctored import STEP, Columns, driven, faults, late
+from tests.support.doctored import STEP, Columns, faults, late
 from tests.support.from_scratch import number, written
 from tests.support.new_boats import new_boat
-
-
-@pytest.fixture(scope="module")
-def twin(tmp_path_factory: pytest.TempPathFactory) -> Boat:
-    return load_boat(written(tmp_path_factory.mktemp("boat"), "twin"))
-
-
-@pytest.fixture(scope="module")
-def sound(twin: Boat) -> list[Run]:
-    return driven(twin, 0.25)
 
 
 def test_a_slow_wind_sensor_that_repeats_a_value_is_not_stuck(sound: list[Run], twin: Boat) -> None:

@@ -11,11 +11,6 @@ from tests.support.doctored import STEP, faults, late, sailed, steered
 from tests.support.from_scratch import written
 
 
-@pytest.fixture(scope="module")
-def twin(tmp_path_factory: pytest.TempPathFactory) -> Boat:
-    return load_boat(written(tmp_path_factory.mktemp("boat"), "twin"))
-
-
 def test_a_periodic_steering_of_which_half_a_period_is_a_change_of_sign_is_no_fault(twin: Boat) -> None:
     runs = steered(twin, np.sin, 10.0)
     assert faults(runs, twin) == []

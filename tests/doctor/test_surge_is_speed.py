@@ -4,17 +4,11 @@ import numpy as np
 import pytest
 
 from swamp_rl.angles import wrapped
-from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat import Boat
 from swamp_rl.runs import Run
 from swamp_rl.simulator.replay import replay
 from tests.support.doctored import STEP, Columns, driven, faults
-from tests.support.from_scratch import written
 from tests.support.new_boats import new_boat
-
-
-@pytest.fixture(scope="module")
-def twin(tmp_path_factory: pytest.TempPathFactory) -> Boat:
-    return load_boat(written(tmp_path_factory.mktemp("boat"), "twin"))
 
 
 @pytest.fixture(scope="module")

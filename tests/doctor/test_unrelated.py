@@ -6,21 +6,10 @@ import numpy as np
 import pytest
 
 from swamp_rl.angles import turned, wrapped
-from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat import Boat
 from swamp_rl.doctor.examine import examine
 from swamp_rl.runs import Run
-from tests.support.doctored import Columns, driven, faults, gauss_markov
-from tests.support.from_scratch import written
-
-
-@pytest.fixture(scope="module")
-def twin(tmp_path_factory: pytest.TempPathFactory) -> Boat:
-    return load_boat(written(tmp_path_factory.mktemp("boat"), "twin"))
-
-
-@pytest.fixture(scope="module")
-def sound(twin: Boat) -> list[Run]:
-    return driven(twin, 0.25)
+from tests.support.doctored import Columns, faults, gauss_markov
 
 
 def noise(c: Columns, deviation: float) -> np.ndarray:
