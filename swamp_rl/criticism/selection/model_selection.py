@@ -317,26 +317,28 @@ def _residual_noise(continuation: Continuation, winner: Fit, stage: int) -> tupl
     first = _gauss_markov_noise(problem, at)
     if not (first[:, 0] > 0).any():
         return None, first
-    noise, gain, _ = _position_noise_beside(problem, at)
+    noise, gain, _ = _position_noise_beside(problem, at, first)
     return ("measurement" if gain > 0.0 else "process"), noise
 
 
-def _position_noise_beside(problem: Shooting, at: Fit) -> tuple[Array, float, bool]:
+def _position_noise_beside(
+    problem: Shooting, at: Fit, first: Array | None = None
+) -> tuple[Array, float, bool]:
     """Gauss-Markov noise (6, 3) beside a fit, the gain in 2 log likelihood by that of the positions, none
     where other channels have noise or process noise is the more likely, and whether a fit with it leaves
-    little more than white noise.
+    little more than white noise. first: the noise of the fit, where it is known.
     """
-    noise, aware, made = _fit_with_noise(problem, at)
+    noise, aware, made = _fit_with_noise(problem, at, first)
     gain = measurement_noise_gain(at, aware, made)
     alone = _of_positions_alone(noise) and gain > process_noise_gain(problem, at)
     return noise, gain if alone else 0.0, near(aware, made)
 
 
-def _fit_with_noise(problem: Shooting, white: Fit) -> tuple[Array, Shooting, Fit]:
+def _fit_with_noise(problem: Shooting, white: Fit, first: Array | None = None) -> tuple[Array, Shooting, Fit]:
     """(6, 3) Gauss-Markov noise beside a fit that includes its position part, the windows with that part and
-    the fit to them.
+    the fit to them. first: the noise beside the fit as it is, where it is known.
     """
-    aware, at, noise = problem, white, _gauss_markov_noise(problem, white)
+    aware, at, noise = problem, white, _gauss_markov_noise(problem, white) if first is None else first
     for _ in range(options().wander_rounds):
         if not (noise[POSITIONS, 0] > 0).any():
             break
