@@ -252,8 +252,7 @@ def quaternion_misread(columns: Columns, rng: Rng) -> Columns:
     """The heading of a quaternion whose w, x, y, z are taken for x, y, z, w; the boat rolls."""
     half, roll = 0.5 * columns["heading"], 0.02 * rng.standard_normal(len(columns["time"]))
     w, x, y, z = np.cos(half), roll * np.cos(half), roll * np.sin(half), np.sin(half)
-    taken = math.pi - np.mod(math.pi - np.arctan2(2.0 * (z * y + w * x), 1.0 - 2.0 * (x**2 + y**2)), math.tau)
-    return columns | {"heading": taken}
+    return columns | {"heading": np.arctan2(2.0 * (z * y + w * x), 1.0 - 2.0 * (x**2 + y**2))}
 
 
 def velocity_exchanged(columns: Columns, rng: Rng) -> Columns:

@@ -49,8 +49,7 @@ def job(
     trained: a folder whose data and pilots are taken over where they are not there yet. replaces: the marks
     of folders that may be replaced. Unfinished work of an experiment that differs in pilots not yet begun is
     continued. A UserError, or one in the user's own code, leaves no recorded runs where no pilot is trained.
-    Linear algebra has one thread
-    meanwhile, for the same bits everywhere.
+    Linear algebra has one thread meanwhile, for the same bits everywhere.
     """
     held = description(scene)
     with (
