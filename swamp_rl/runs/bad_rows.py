@@ -20,7 +20,8 @@ REFUSED = "nothing was imported"
 FEWEST_ROWS = 10
 """Of a stretch that is kept: as many as `runs check` needs to compare heading with yaw rate."""
 MOST_BAD = 0.5
-"""Share of the rows outside of pauses: where more are bad, it is not the rows that are wrong."""
+"""Share of the rows outside of pauses that hold a number: where more are bad, it is not the rows that are
+wrong."""
 GAP_STEPS = 3.0
 """Median steps: a longer one between uneven rows is a gap."""
 
@@ -79,7 +80,8 @@ def stretches(
     `cut` keeps the longest stretch, `split` all of FEWEST_ROWS or more. UserError where none remains.
     """
     time = columns["time"]
-    paused = _of_faults(rows, [fault for fault in faults if fault.pause])
+    values = [values for name, values in columns.items() if name != "time"]
+    paused = _of_faults(rows, [fault for fault in faults if fault.pause]) | np.isnan(values).all(axis=0)
     bad = _of_faults(rows, faults)
     good = np.flatnonzero(~bad & np.isfinite(time))
     again = good[1:][np.diff(time[good]) == 0.0]

@@ -164,6 +164,19 @@ def test_a_pause_longer_than_the_rest_of_a_log_is_no_wrong_unit(tmp_path: Path, 
     assert [len(run.time) for run in runs] == [51, 51]
 
 
+def test_empty_rows_that_outnumber_the_others_of_a_table_are_no_wrong_unit(tmp_path: Path, boat: str) -> None:
+    was = weaving()
+    cells = {"t": [f"{t:.1f}" for t in was["time"]]}
+    for name, ours in {"n": "north", "e": "east", "psi": "heading", "port": "throttle_port"}.items():
+        cells[name] = [repr(float(value)) if not 50 <= i < 250 else "" for i, value in enumerate(was[ours])]
+    log = csv_of(tmp_path / "log.csv", cells)
+    options = [*ABSOLUTE, "throttle_port=port", "throttle_starboard=port"]
+    runs = imported(log, boat, options, Wishes(bad_rows="split"))
+    assert [len(run.time) for run in runs] == [50, len(was["time"]) - 250]
+    with pytest.raises(UserError, match="100% of the rows are bad, so a unit or the mapping is wrong"):
+        imported(log, boat, [*options[:-1], "throttle_starboard=port+2"], Wishes(bad_rows="cut"))
+
+
 def test_rows_beside_a_pause_that_are_bad_by_a_unit_are_still_refused(tmp_path: Path, boat: str) -> None:
     pytest.importorskip("rosbags")
     log = bag(tmp_path / "log.bag", "ros1", pause=(5.0, 25.0))
