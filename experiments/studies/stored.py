@@ -6,7 +6,14 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from swamp_rl.experiments.artifacts.provenance import CONFIG, EXPERIMENT, TRAINED, home_of, same_configs
+from swamp_rl.experiments.artifacts.provenance import (
+    CONFIG,
+    EXPERIMENT,
+    TRAINED,
+    home_of,
+    kept_config,
+    same_configs,
+)
 from swamp_rl.experiments.artifacts.stages import say
 from swamp_rl.experiments.config.load import load_experiment, overridden
 from swamp_rl.experiments.config.schema import Experiment, Targets
@@ -102,8 +109,9 @@ def _of_pilots(
     homes = [home for folder in folders if (home := home_of(folder)) is not None]
     if name is None and not homes:
         name = _usual(folders)
-    home = homes[0] if name is None else None
-    with same_configs(None if home is None else home / CONFIG):
+    config = homes[0] / CONFIG if name is None else kept_config(name)
+    home = config.parent if config is not None and config.name == CONFIG else None
+    with same_configs(config):
         base = load_experiment(homes[0] if name is None else name)
         settings: dict[str, Any] = {"name": "evaluation", "description": "", "hidden": None, "claims": None}
         settings["targets"] = Targets()

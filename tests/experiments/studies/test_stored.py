@@ -73,6 +73,21 @@ def test_the_configuration_kept_is_used_where_files_have_changed_since(tmp_path:
     assert content(run_experiment(first, out=tmp_path / "second")) == content(first)
 
 
+def test_results_named_as_the_experiment_give_their_own_boat_from_anywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_tiny(tmp_path, "scripted")
+    (tmp_path / "mine.yaml").write_text("extends: swamp\nname: mine\n")
+    monkeypatch.chdir(tmp_path)
+    first = run_experiment("tiny.yaml", ["boat=mine.yaml"], tmp_path / "first")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    out = evaluate_folders(["line-of-sight"], {"episodes": 2}, out="out", experiment="../first")
+    assert (out / "config" / "boats" / "mine.yaml").read_bytes() == (
+        first / "config" / "boats" / "mine.yaml"
+    ).read_bytes()
+
+
 def test_hashes_can_be_checked_by_anyone_and_seeds_and_machine_are_reported(place: Path) -> None:
     subprocess.run(["sha256sum", "--check", "--quiet", "data.sha256"], cwd=place / "run", check=True)
     assert len((place / "run" / "data.sha256").read_text().splitlines()) == 1 + 2 + 3
