@@ -52,6 +52,12 @@ def read_header(text: bytes) -> Header:
         whole = text.endswith((b"\n", b"\r"))
         text = b"\n".join(b"\t".join(line.split()) for line in text.splitlines()) + b"\n" * whole
         separator = "\t"
+    if len(names) == 1 and (later := _first_row(head.splitlines()[1:])):
+        number, values = later
+        raise HeaderError(
+            f"its first line names 1 column, line {number + 2} has {values} values; the first line must name "
+            "the columns, remove what stands before it"
+        )
     if _are_values(names):
         raise HeaderError("its first line holds numbers; the first line must name the columns, add one")
     return Header(names, separator, text)
@@ -66,6 +72,16 @@ def _cells(head: str) -> tuple[list[str], str]:
         return next(csv.reader(io.StringIO(head, newline=""), delimiter=other)), other
     first, second = (line.split() for line in [*head.splitlines()[:2], "", ""][:2])
     return (first, " ") if len(first) == len(second) > 1 else (names, ",")
+
+
+def _first_row(lines: list[str]) -> tuple[int, int] | None:
+    """The index of the first line that holds several numbers, and how many; None where none does."""
+    found = (
+        (i, len(cells))
+        for i, line in enumerate(lines)
+        if len(cells := line.split()) > 1 and _are_values(cells)
+    )
+    return next(found, None)
 
 
 def _are_values(names: list[str]) -> bool:

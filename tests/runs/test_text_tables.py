@@ -58,6 +58,18 @@ def test_a_first_line_of_numbers_is_not_taken_for_names(tmp_path: Path, first: s
     assert "its first line holds numbers; the first line must name the columns" in str(fault)
 
 
+@pytest.mark.parametrize("between", ["\t", " ", "   "])
+def test_a_title_above_a_table_is_not_taken_for_its_only_column(tmp_path: Path, between: str) -> None:
+    path = tmp_path / "log.dat"
+    rows = [between.join(["0.0", "1.5", "2e-1"]), between.join(["0.1", "1.6", "2e-1"])]
+    path.write_text("\n".join(["Zig-zag test of a tanker", "", *rows]) + "\n")
+    (fault,) = read_table(path).faults
+    message = (
+        "its first line names 1 column, line 3 has 3 values; the first line must name the columns, remove"
+    )
+    assert message in str(fault)
+
+
 def test_whole_numbers_may_be_names(tmp_path: Path) -> None:
     path = tmp_path / "log.csv"
     path.write_text("0,1,2\n5,6,7\n")
