@@ -147,6 +147,20 @@ def test_the_steps_of_a_wandering_position_are_not_a_filters(size: float, seed: 
     assert smoothed_channels(replace(runs, measured=measured)) == {}
 
 
+@pytest.mark.parametrize("name", ["surge", "sway", "yaw_rate"])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_velocity_that_wanders_under_white_noise_is_not_a_filters(name: str, seed: int) -> None:
+    """As turbulence moves a boat, in ten runs, that good sensors measure."""
+    rng, shape = np.random.default_rng(seed), (10, 800)
+    measured = np.full((*shape, 6), np.nan)
+    wander = gauss_markov_noise(rng, shape, 0.03, 10.0)
+    measured[..., CHANNELS.index(name)] = wander + 0.003 * rng.standard_normal(shape)
+    still = np.zeros((*shape, 8))
+    runs = replace(simulated_runs([], 0), measured=measured, commands=still, lengths=np.full(10, 800))
+    assert smoothed_channels(runs) == {}
+    assert set(smoothed_channels(filtered(runs, one_pole, name))) == {name}
+
+
 @pytest.mark.parametrize(("size", "names"), [(1e-12, set()), (1e-6, set(CHANNELS))])
 def test_the_rounding_of_a_simulation_is_no_sensors_noise(size: float, names: set[str]) -> None:
     runs = simulated_runs([], 0)

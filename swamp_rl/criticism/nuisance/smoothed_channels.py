@@ -99,7 +99,7 @@ def _smoothing(values: Array, activity: Array, dt: float, rows: float, kind: Kin
     every = {s: _variance(*own, _median_rate(*own)) for s, own in of_strides.items()}
     variances = {stride: one for stride, one in every.items() if one and one[0] > 0.0}
     measured = _without_motion(variances, rows)
-    if kind == "wanders" and exponent < options().first_order_exponent and not _grows_ever_less(variances):
+    if exponent < options().first_order_exponent and _grows_to_a_walk(variances, kind):
         return None  # white noise beside a wander, or a wander alone: Gauss-Markov noise
     pole, longest = _pole(measured), max(measured)
     if (
@@ -168,12 +168,18 @@ def _without_motion(variances: Mapping[int, tuple[float, int]], rows: float) -> 
     return found
 
 
-def _grows_ever_less(variances: Mapping[int, tuple[float, int]]) -> bool:
-    """Whether the variances by stride, with their numbers, grow by a lower power of it from the longest but
-    one than from the shortest: a filter's noise does, and a random walk's does not, with white noise or not.
+def _grows_to_a_walk(variances: Mapping[int, tuple[float, int]], kind: Kind) -> bool:
+    """Whether the variances by stride, with their numbers, grow as a random walk's: those of a filter's noise
+    grow by a lower power of it from the longest but one than from the shortest. Of a channel that lags only
+    white noise beside a walk is so recognised, as growth that rises to that of a walk and no further: motion
+    in the longest stride makes it rise too.
     """
     growths = _growths(variances)
-    return len(growths) < 2 or growths[-1][1] < growths[0][1]
+    powers = [growth for _, growth, _ in growths]
+    if len(powers) < 2 or kind == "wanders":
+        return len(powers) > 1 and powers[0] <= powers[-1]
+    rise = max(powers) - powers[0]
+    return rise > options().motion_certainty * growths[0][2] and max(powers) < options().first_order_exponent
 
 
 def _growths(variances: Mapping[int, tuple[float, int]]) -> list[tuple[int, float, float]]:
