@@ -236,12 +236,19 @@ def _check_rate(
 
 
 def repeated_times(time: NDArray[np.float64]) -> str:
-    """How many rows have each time, of most rows with the time of the row before; nothing of others."""
+    """How many rows have each time, of rows that mostly have the time of the row before, or how many times
+    there are where these are rounded ever more; nothing of others."""
     steps = np.diff(time[np.isfinite(time)])
     later = np.flatnonzero(steps > 0.0)
     if not len(later) or np.mean(steps == 0.0) <= MOST_REPEATED:
         return ""
-    count, step = float(np.median(np.diff(later, prepend=-1))), float(np.median(steps[later]))
+    counts, step = np.diff(later, prepend=-1), float(np.median(steps[later]))
+    count = float(np.median(counts))
+    if counts[counts > 2.0 * count].sum() > MOST_REPEATED * len(steps):
+        rate = len(steps) / float(steps[later].sum())
+        return (
+            f"{len(steps) + 1} rows have {len(later) + 1} times, as if rounded, at {rate:.4g} Hz on the whole"
+        )
     return f"{count:g} rows have each time, {step:.3g} s apart, as at {count / step:.4g} Hz"
 
 

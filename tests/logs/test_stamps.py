@@ -256,6 +256,16 @@ def test_rows_at_ten_hertz_in_whole_seconds_are_reported_and_can_be_counted(
     assert (run.meta.model_extra or {})["times"] == "counted, 10 rows a second"
 
 
+def test_times_that_are_rounded_to_figures_are_reported_with_the_rate_of_the_whole(tmp_path: Path) -> None:
+    log = table(tmp_path / "log.csv", [f"{0.5 * i:.0e}" for i in range(COUNT)])
+    with pytest.raises(UserError) as error:
+        imported([log])
+    (line,) = str(error.value).splitlines()
+    assert "column time: repeats: 60 rows have 14 times, as if rounded, at 1.967 Hz on the whole" in line
+    assert "(--rate HZ counts rows at a constant rate)" in line
+    assert imported([log], Wishes(rate=2.0)).duration == pytest.approx(29.5)
+
+
 def test_a_file_whose_times_mostly_repeat_is_refused_beside_other_bad_rows(tmp_path: Path) -> None:
     log = table(tmp_path / "log.csv", [f"{int(t)}" if i != 30 else "" for i, t in enumerate(TIME)])
     with pytest.raises(UserError, match="column time: repeats: 10 rows have each time"):
