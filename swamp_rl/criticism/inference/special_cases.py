@@ -9,7 +9,7 @@ from swamp_rl.criticism.inference.cause_share import Witness, moves_less_than_no
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.selection.backward_elimination import Selection, with_special
+from swamp_rl.criticism.selection.backward_elimination import Selection, confirmations, with_special
 from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 
 
@@ -37,7 +37,9 @@ def with_sufficient_special_cases(
             plain = with_special(continuation, found.winner, instance, special, found.stage)
             adequate = not found.adequate or continuation.is_adequate(found.stage, plain)
             if adequate and _predicts_as_well(continuation, plain, found, on, noise, rng):
-                simpler = replace(found, winner=plain)
+                comparisons = len(instances) * (1 + len(plain.hypothesis.instances))
+                confirmed = confirmations(continuation, plain, [special], comparisons, found.stage)
+                simpler = replace(found, winner=plain, confirmed=found.confirmed | confirmed)
                 return with_sufficient_special_cases(continuation, simpler, instances, on, noise, rng)
     return found
 
