@@ -150,7 +150,7 @@ def examine(
     sigmas, weight, every, hull = known.sigmas, known.weight, known.instances, known.hull
     behind = no_better(trivial_predictors(run_set, weight))
     if behind:
-        LOG.info("the boat file predicts %s; fit guessed numbers first: swamp-rl identify boat", behind.words)
+        LOG.info("the boat file predicts %s; if its numbers are guesses, fit them first", behind.words)
     with_noise, continuation, found = select_model(run_set, weight, every, hull)
     run_set = run_set.with_commands_of(with_noise)
     LOG.info("the best hypothesis is %s; adequacy", found.winner.hypothesis.label)

@@ -31,7 +31,7 @@ class Options:
     longest_lag: float = 2.0  # s between columns that are looked for
     rough_positions: float = 0.121  # boat lengths of scatter between samples of rough positions (0.3 m)
     reading_poor: float = 0.3  # share of power explained as it stands, up to which another reading is tried
-    reading_good: float = 0.7  # share explained by another reading, from which the column is refused
+    reading_good: float = 0.7  # share by another reading, or more than as it stands, that is refused
     out_of_step: float = 0.3  # s of lag that is refused; less is the effect `position_delay`
     moved_lengths: float = 4.03  # boat lengths of range at which a constant sensor is refused (10 m of SWAMP)
     lag_improvement: float = 0.5  # of the unexplained power that a lag must leave at most

@@ -89,11 +89,16 @@ def test_a_boat_at_rest_is_predicted_best_by_staying_at_rest() -> None:
 
 
 @pytest.mark.parametrize(
-    ("verdict", "after", "advised"),
-    [("cause", 0.1, False), ("cause", 9.9, True), ("unexplained", 0.1, True)],
+    ("verdict", "after", "advised", "better"),
+    [
+        ("cause", 0.1, False, True),
+        ("cause", 9.9, True, False),
+        ("unexplained", 0.1, True, True),
+        ("unexplained", 9.9, True, False),
+    ],
 )
 def test_to_fit_the_numbers_is_advised_unless_a_cause_mends_the_prediction(
-    verdict: str, after: float, advised: bool
+    verdict: str, after: float, advised: bool, better: bool
 ) -> None:
     errors = Predictors(horizon_s=30.0, boat_file=17.0, at_rest=26.0, constant_velocity=9.0, no_thrust=18.0)
     paired = Paired(before=17.0, after=after, ci95=(1.0, 2.0))
@@ -103,6 +108,7 @@ def test_to_fit_the_numbers_is_advised_unless_a_cause_mends_the_prediction(
     )
     assert "no better than constant velocity: 17 m against 9 m" in message
     assert ("identify boat" in message) == advised
+    assert ("The extended boat predicts better than both" in message) == better
 
 
 class BegunError(Exception):
@@ -125,7 +131,7 @@ def test_a_boat_file_no_better_than_a_boat_at_rest_is_reported_before_the_search
     with caplog.at_level("INFO", LOG.name), pytest.raises(BegunError):
         examine(simulated_runs(effects), None, np.random.default_rng(0))
     assert ("5 s ahead no better than a boat at rest" in caplog.text) == said
-    assert ("identify boat" in caplog.text) == said
+    assert ("if its numbers are guesses, fit them first" in caplog.text) == said
 
 
 def test_a_cause_is_minor_only_below_two_percent_and_below_the_noise() -> None:

@@ -19,13 +19,14 @@ def refuse_inconsistent(run_set: RunSet, folder: str) -> None:
     """UserError naming the columns that contradict each other where another interpretation of them does
     not.
 
-    Positions are compared with heading and velocities over ground, the heading with the yaw rate. Biases,
-    delays and lever arms of a usual size are candidates of the diagnosis and pass.
+    Positions are compared with heading and velocities over ground, or with the heading alone, the heading
+    with the yaw rate. Biases, delays and lever arms of a usual size are candidates of the diagnosis and pass.
     """
     measured = [run_set.measured[run, :length] for run, length in enumerate(run_set.lengths)]
     refuse_dead(measured, run_set.dt, run_set.boat.length, folder)
-    if {"surge", "sway"} <= set(run_set.present):
-        _positions_and_velocities(measured, run_set.dt, run_set.boat.length, folder)
+    if found := _over_ground(measured, run_set.dt, run_set.boat.length):
+        with_velocities = {"surge", "sway"} <= set(run_set.present)
+        (_positions_and_velocities if with_velocities else _courses_and_headings)(*found, folder)
     if "yaw_rate" in run_set.present:
         _heading_and_yaw_rate(measured, run_set.dt, folder)
 
@@ -78,15 +79,20 @@ def explained(truth: Array, prediction: Array) -> float:
     return 1.0 - float(((truth[good] - prediction[good]) ** 2).sum()) / max(power, 1e-12)
 
 
-def _positions_and_velocities(measured: list[Array], dt: float, length: float, folder: str) -> None:
+def _over_ground(measured: list[Array], dt: float, length: float) -> tuple[Array, Array] | None:
+    """Velocities over ground (n, 2) by the positions, and the rows (n, 6) that they are of, where runs are
+    long enough."""
     scatter = np.nanmedian(np.abs(np.concatenate([np.diff(run[:, :2], 2, axis=0) for run in measured])))
     rough = scatter > options().rough_positions * length
     reach = max(1, round((options().slope_span_rough if rough else options().slope_span) / dt))
     long = [run for run in measured if len(run) > 4 * reach]
     if not long:
-        return
+        return None
     moved = np.concatenate([_slope(run[:, :2], reach, dt) for run in long])
-    inner = np.concatenate([run[reach:-reach] for run in long])
+    return moved, np.concatenate([run[reach:-reach] for run in long])
+
+
+def _positions_and_velocities(moved: Array, inner: Array, folder: str) -> None:
     psi, u, v = inner[:, HEADING], inner[:, SURGE], inner[:, SWAY]
 
     def over_ground(angle: Array, ahead: Array, starboard: Array) -> Array:
@@ -108,6 +114,28 @@ def _positions_and_velocities(measured: list[Array], dt: float, length: float, f
         raise UserError(
             f"{folder}: {best}: positions do not follow heading, surge and sway; correct the columns"
         )
+
+
+def _courses_and_headings(moved: Array, inner: Array, folder: str) -> None:
+    """Refuse headings whose mirror image the courses follow better than the headings, each turned by an
+    angle: a compass may be off, and a boat may move sideways or drift.
+
+    A share is what the velocities explain of themselves mirrored at the heading, 1 of motion along it; that
+    of their squares as complex numbers, whose angle is twice that of the course.
+    """
+    seen = np.isfinite(moved).all(axis=1) & np.isfinite(inner[:, HEADING])
+    velocity, psi = moved[seen] @ (1.0, 1.0j), inner[seen, HEADING]
+    power = max(float(np.sum(np.abs(velocity) ** 2)), 1e-12)
+
+    def along(heading: Array) -> complex:
+        return complex(np.sum(velocity**2 * np.exp(-2.0j * heading)) / power)
+
+    share, mirrored = (2.0 * abs(along(heading)) - 1.0 for heading in (psi, -psi))
+    if share <= options().reading_poor < mirrored and mirrored - share > options().reading_good:
+        reading = "heading looks anticlockwise"
+        if along(-psi).real < 0.0:
+            reading = "north and east look swapped, or the heading measured from east, anticlockwise"
+        raise UserError(f"{folder}: {reading}: positions do not follow the heading; correct the columns")
 
 
 def _heading_and_yaw_rate(measured: list[Array], dt: float, folder: str) -> None:

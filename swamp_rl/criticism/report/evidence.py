@@ -18,16 +18,18 @@ def predictors_sentence(found: Diagnosis) -> str:
     behind = no_better(found.predictors)
     if behind is None:
         return ""
-    advice = " If its numbers are guesses, fit them before reading causes: swamp-rl identify boat."
-    if _explained(found, behind):
-        advice = " The extended boat predicts better than both."
-    return f"The boat file predicts {behind.words}.{advice}"
+    better = _is_below(found, behind)
+    parts = [f"The boat file predicts {behind.words}."]
+    parts += ["The extended boat predicts better than both."] * better
+    if not better or found.verdict != "cause":
+        parts += ["If its numbers are guesses, fit them before reading causes: swamp-rl identify boat."]
+    return " ".join(parts)
 
 
-def _explained(found: Diagnosis, behind: NoBetter) -> bool:
-    """Whether the causes alone bring the position error at a horizon below a trivial predictor's."""
+def _is_below(found: Diagnosis, behind: NoBetter) -> bool:
+    """Whether the extended boat's position error at a horizon is below a trivial predictor's."""
     gains = [one.position_rmse_m for one in found.gain if one.horizon_s == behind.horizon_s]
-    return found.verdict == "cause" and any(one is not None and one.after < behind.trivial for one in gains)
+    return any(one is not None and one.after < behind.trivial for one in gains)
 
 
 def predictor_rows(found: Diagnosis) -> list[tuple[str, ...]]:
