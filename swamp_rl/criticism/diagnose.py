@@ -132,7 +132,7 @@ def diagnose(
         if finding.next_trial:
             write_trial(folder, finding.next_trial, model, run_set.dt)
         LOG.info("drawing the report")
-        write_report(folder, finding)
+        write_report(folder, finding, ", ".join("/".join(one.resolve().parts[-2:]) for one in every))
         for name, text in {**notes, RESULT: finding.diagnosis.model_dump_json(indent=2) + "\n"}.items():
             (folder / name).write_text(text, encoding="utf-8")
     return finding.diagnosis

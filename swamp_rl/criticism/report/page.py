@@ -64,10 +64,10 @@ CHI2 = (
 )
 
 
-def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
-    """The whole HTML page; images: PNG in base64 by name."""
+def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str], data: str) -> str:
+    """The whole HTML page; images: PNG in base64 by name; data: what the runs are called."""
     parts = [
-        opening(found, run_set),
+        opening(found, run_set, data),
         errors_section(found, images),
         causes_section(found, run_set),
         identifiability_section(found, run_set),
@@ -79,10 +79,10 @@ def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str]) -> str:
         limits_section(found, run_set),
         details(found, run_set),
     ]
-    return document(f"Diagnosis of the model of {run_set.boat.name}", parts)
+    return document(f"{data}: diagnosis of the model of {run_set.boat.name}", parts)
 
 
-def opening(found: Diagnosis, run_set: RunSet) -> str:
+def opening(found: Diagnosis, run_set: RunSet, data: str) -> str:
     """The verdict, what must be known before the causes are read, the meaning, and the data."""
     minutes = float(run_set.lengths.sum()) * run_set.dt / 60.0
     first = (predictors_sentence(found), carry_over_sentence(found), minor_sentence(found))
@@ -91,8 +91,8 @@ def opening(found: Diagnosis, run_set: RunSet) -> str:
         f'<span class="badge {found.verdict}">{found.verdict.replace("_", " ")}</span>'
         f"<h1>{html.escape(headline(found))}</h1>{markup}<p>{html.escape(meaning(found))}</p>"
         f'<p class="soft">Boat file <b>{html.escape(run_set.boat.name)}</b> against '
-        f"{counted(len(run_set.lengths), 'run')}, {minutes:.1f} minutes in all, "
-        f"{1 / run_set.dt:.3g} samples a second.</p>"
+        f"{counted(len(run_set.lengths), 'run')} of <b>{html.escape(data)}</b>, "
+        f"{minutes:.1f} minutes in all, {1 / run_set.dt:.3g} samples a second.</p>"
     )
 
 
@@ -344,8 +344,9 @@ def details(found: Diagnosis, run_set: RunSet) -> str:
     )
 
 
-def write_report(folder: Path, finding: Finding) -> None:
-    """Write report.html, self-contained, and its figures as PNG into `folder`."""
+def write_report(folder: Path, finding: Finding, data: str) -> None:
+    """Write report.html, self-contained, and its figures as PNG into `folder`; data: what the runs are
+    called."""
     paths = {
         "tracks": draw(folder / "tracks.png", finding, draw_tracks),
         "errors": draw(folder / "errors.png", finding, draw_errors),
@@ -358,5 +359,5 @@ def write_report(folder: Path, finding: Finding) -> None:
             folder / "next_trial.png", finding.next_trial, finding.run_set.boat, finding.run_set.dt
         )
     images = {name: base64.b64encode(path.read_bytes()).decode() for name, path in paths.items()}
-    text = page(finding.diagnosis, finding.run_set, images)
+    text = page(finding.diagnosis, finding.run_set, images, data)
     (folder / "report.html").write_text(text, encoding="utf-8")
