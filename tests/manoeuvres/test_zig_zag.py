@@ -52,6 +52,40 @@ def test_mirrored_zig_zags_have_the_same_overshoots() -> None:
     )
 
 
+def with_rate(run: Run, rate: float, noise: float, seed: int = 0) -> Run:
+    """The run with the steering of a servo of that rate [rad/s] in place of the orders; its motion stays."""
+    rng, columns = np.random.default_rng(seed), dict(run.columns)
+    for name in [one for one in columns if one.startswith("azimuth")]:
+        ordered, angle = columns[name], np.zeros(len(columns[name]))
+        for row in range(1, len(angle)):
+            step = rate * (run.time[row] - run.time[row - 1])
+            angle[row] = angle[row - 1] + np.clip(ordered[row] - angle[row - 1], -step, step)
+        columns[name] = angle + noise * rng.standard_normal(len(angle))
+    return Run(run.name, columns, run.meta)
+
+
+@pytest.mark.parametrize("rate", [0.15, 0.3, 2.0])
+def test_overshoots_are_the_same_where_the_steering_was_recorded_in_place_of_the_order(rate: float) -> None:
+    run = nomoto_zig_zag(0.8, 1.5, 0.35, 0.35)
+    ordered = analyse_run(run, BOAT).figures
+    late = 0.1  # s, two samples, by which an execute may be found too early or too late
+    errors = {"first_overshoot": math.degrees(0.8 * 0.35), "second_overshoot": math.degrees(0.8 * 0.35)}
+    errors |= {"period": 2.0, "initial_turning": 1.0}  # a second, at 1 m/s and at the highest yaw rate
+    for seed in range(3):
+        measured = analyse_run(with_rate(run, rate, 0.002, seed), BOAT).figures
+        for name, error in errors.items():
+            assert measured[name].value == pytest.approx(ordered[name].value, abs=late * error + 1e-3), name
+
+
+@pytest.mark.parametrize("executes", [3, 4, 5])
+def test_a_zig_zag_of_three_executes_is_one(executes: int) -> None:
+    run = nomoto_zig_zag(0.8, 1.5, 0.35, 0.35)
+    changes = np.flatnonzero(np.diff(np.sign(run.columns["azimuth_bs"])) != 0.0)
+    end = int(changes[executes]) if executes < len(changes) else len(run.time)
+    short = Run("short", {name: values[:end] for name, values in run.columns.items()}, run.meta)
+    assert len(analyse_run(short, BOAT).figures["overshoot"].each) >= executes - 2
+
+
 def test_the_limits_of_msc_137_76_have_their_ends_and_middle() -> None:
     assert [first_overshoot_limit(t) for t in (5.0, 10.0, 20.0, 30.0, 50.0)] == [10, 10, 15, 20, 20]
     assert [second_overshoot_limit(t) for t in (5.0, 10.0, 20.0, 30.0, 50.0)] == [25, 25, 32.5, 40, 40]

@@ -17,7 +17,8 @@ from swamp_rl.runs import RunMeta
 LEAST = math.radians(2.0)  # of steering that counts as an order
 WAY = 0.5  # of the median speed, that a boat must make for an order to count
 HELD = 0.5  # s that an order is held at least
-REVERSALS = 3  # of the steering that make a zig-zag
+EXECUTES = 3  # of the steering, to either side in turn, that make a zig-zag
+RAMP_SPAN, RAMP_SHARE = 0.25, 0.2  # s over which steering moves by that share of its fastest, in a ramp
 TURNED = math.pi / 2  # of heading that makes a turning circle
 LARGEST = {"angle": math.tau, "heading": math.tau, "throttle": 1.0}  # numbers of a setting [rad, rad, 1]
 
@@ -128,7 +129,8 @@ def _found(motion: Motion, kind: Kind | None) -> Recognised | None:
     # What is ordered before the boat has way on is no trial yet.
     held = [(a, b) for a, b in held if speed[a] >= way] or held
     orders = _orders(held, side)
-    if kind == "zig-zag" or (kind is None and len(orders) > REVERSALS):
+    weaves = len(orders) >= EXECUTES and _heading_span(motion, orders) < 2.0 * TURNED
+    if kind == "zig-zag" or (kind is None and weaves):
         return _as_zig_zag(motion, orders)
     if kind in ("turning-circle", None):
         return _as_circle(motion, held)
@@ -156,11 +158,32 @@ def _orders(held: list[tuple[int, int]], side: Any) -> list[tuple[int, int]]:
     return orders
 
 
+def _heading_span(motion: Motion, orders: list[tuple[int, int]]) -> float:
+    """How far the heading [rad] swings between the first order and the last."""
+    return float(np.ptp(motion.heading[orders[0][0] : orders[-1][0] + 1]))
+
+
+def _began(motion: Motion, row: int) -> int:
+    """The row in which the steering began to move to the angle that it has from `row` on: where not the order
+    but the steering itself was recorded, it takes its time."""
+    angle = motion.angle * np.sign(motion.angle[row])
+    span = max(1, motion.row(motion.time[0] + RAMP_SPAN))
+    moved = np.concatenate([np.zeros(span), angle[span:] - angle[:-span]])
+    fastest = moved[row]
+    while row > 0 and moved[row - 1] > RAMP_SHARE * fastest:
+        row -= 1
+        fastest = max(fastest, moved[row])
+    ahead = angle[min(row + span, len(angle) - 1)] - angle[row]
+    if ahead > RAMP_SHARE * fastest:  # a ramp: it began where a line meets the angle before it
+        row -= min(span, round(span * moved[row] / ahead))
+    return row
+
+
 def _as_zig_zag(motion: Motion, orders: list[tuple[int, int]]) -> Recognised | None:
     if len(orders) < 2:
         return None
     marks = [
-        Mark(float(motion.time[a]), "execute", i + 1, float(np.median(motion.angle[a:b])))
+        Mark(float(motion.time[_began(motion, a)]), "execute", i + 1, float(np.median(motion.angle[a:b])))
         for i, (a, b) in enumerate(orders)
     ]
     marks.append(Mark(float(motion.time[min(orders[-1][1], len(motion.time) - 1)]), DONE, len(orders), 0.0))
@@ -173,7 +196,7 @@ def _as_circle(motion: Motion, held: list[tuple[int, int]]) -> Recognised | None
     if turned.max() < TURNED:
         return None
     angle = float(np.median(motion.angle[first:last]))
-    marks = [Mark(float(motion.time[first]), "turning", 1, angle)]
+    marks = [Mark(float(motion.time[_began(motion, first)]), "turning", 1, angle)]
     for number in range(1, int(turned.max() // (2.0 * math.pi)) + 1):
         row = first + int(np.argmax(turned >= 2.0 * math.pi * number))
         marks.append(Mark(float(motion.time[row]), "turning", number + 1, angle))
