@@ -29,6 +29,7 @@ NOT_RUN = {  # blocks that no test can run: servers, hours, logs of others
     "docs/identify_boat.md": 2,
     "docs/import.md": 4,
     "docs/kingfisher.md": 2,
+    "docs/kvlcc2.md": 2,
     "docs/learners.md": 1,
     "docs/link.md": 3,
     "docs/own_pilot.md": 1,
