@@ -22,6 +22,7 @@ from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.report.evidence import predictors_sentence, share_text
+from swamp_rl.criticism.report.page import opening
 from swamp_rl.criticism.result import Cause, Diagnosis, Gain, Paired, Predictors, Share
 from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation
 from swamp_rl.criticism.selection.continuation import MIDDLE, continuation_of
@@ -247,3 +248,13 @@ def test_an_ignored_wind_is_named_and_written_beside_the_boat_file(windy: Path, 
     (written,) = yaml.safe_load((tmp_path / "out" / "conditions.yaml").read_text())["effects"]
     assert written["effect"] == "wind"
     assert written["speed"] == pytest.approx(5.0, rel=0.1)
+
+
+def test_the_page_begins_with_what_the_runs_are_called() -> None:
+    runs = simulated_runs([])
+    text = opening(
+        Diagnosis.model_construct(verdict="nothing_wrong", predictors=[], causes=[], minor=[], nuisance=[]),
+        runs,
+        "Bora/Tag <1>",
+    )
+    assert "against 3 runs of <b>Bora/Tag &lt;1&gt;</b>, 2.0 minutes in all" in text

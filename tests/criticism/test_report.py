@@ -16,7 +16,6 @@ from swamp_rl.criticism.report.page import (
     gain_section,
     identifiability_section,
     limits_section,
-    opening,
     residual_section,
 )
 from swamp_rl.criticism.report.words import (
@@ -49,7 +48,6 @@ from swamp_rl.criticism.result import (
     SmoothedNoise,
 )
 from swamp_rl.html_page import rounded, table
-from tests.support.criticism import simulated_runs
 
 pytestmark = pytest.mark.numerical
 
@@ -71,12 +69,6 @@ LAG = Cause(
     effect="azimuth_lag",
     parameters={"time_constant": Estimate(value=0.612, standard_error=0.012, unit="s")},
 )
-
-
-def test_the_page_begins_with_what_the_runs_are_called() -> None:
-    runs = simulated_runs([])
-    text = opening(diagnosis("nothing_wrong"), runs, "Bora/Tag <1>")
-    assert "against 3 runs of <b>Bora/Tag &lt;1&gt;</b>, 2.0 minutes in all" in text
 
 
 def test_the_terminal_has_the_files_names_and_the_scope_in_words() -> None:
