@@ -34,6 +34,7 @@ from swamp_rl.runs.import_dataset import (
     About,
     files_of_kind,
     import_tables,
+    names_apart,
     refuse_idle,
     whole_folder,
 )
@@ -195,12 +196,12 @@ def read_logs(sources: Sequence[Path], kind: str, mapping: Mapping | None, folde
     """
     if folders:
         wanted = {name.partition(".")[0] for name in mapping.names if "." in name} if mapping else None
-        for folder in sources:
-            yield read_folder_log(folder, tables_in(folder, kind), wanted)
+        for folder, name in names_apart(sources, lambda source: [source]).items():
+            yield replace(read_folder_log(folder, tables_in(folder, kind), wanted), name=name)
         return
     wanted = wanted_messages(kind, mapping) if mapping and kind in BINARY else None
-    for path in paths_of(sources, kind):
-        yield read_log(path, kind, wanted)
+    for path, name in names_apart(sources, lambda source: paths_of([source], kind)).items():
+        yield replace(read_log(path, kind, wanted), name=name)
 
 
 def tables_in(folder: Path, kind: str) -> list[Path]:

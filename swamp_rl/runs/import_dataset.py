@@ -2,7 +2,8 @@
 
 import os
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, get_args
@@ -99,15 +100,17 @@ def import_runs(
     if kind not in get_args(Kind):
         raise UserError(f"--from {kind}: is none of {', '.join(get_args(Kind))}")
     refuse_idle(kind, about, wishes)
-    files = files_of_kind(sources, kind)
+    names = names_apart(sources, lambda source: files_of_kind([source], kind))
     if kind == "free-running":
         pond = about.boat or "esso_osaka"
         boat = load_boat(pond)
-        runs = _earlier([import_free_running(file, boat, about.repair) for file in files], wishes)
-        runs = _ended(runs, about, about.course, boat, True)
+        read = [(name, import_free_running(file, boat, about.repair)) for file, name in names.items()]
+        runs = [Run(name, run.columns, run.meta) for name, run in read]
+        runs = _ended(_earlier(runs, wishes), about, about.course, boat, True)
         return _write(Path(out), _described(about, boat, None, runs, wishes), runs, pond, about.course)
-    found, wishes = _read(files, kind, about, wishes)
-    return import_tables(found, out, about, wishes)
+    found, wishes = _read(list(names), kind, about, wishes)
+    named = [replace(one, name=name) for name, one in zip(names.values(), found, strict=True)]
+    return import_tables(named, out, about, wishes)
 
 
 def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishes: Wishes) -> DatasetMeta:
@@ -175,10 +178,8 @@ def _with(run: Run, **message: str) -> Run:
 
 
 def files_of_kind(sources: Sequence[Path], kind: str) -> list[Path]:
-    """The files of a kind (a key of SUFFIXES) that sources are or hold; UserError for two of one name."""
-    files = [file for source in sources for file in _files(source, kind)]
-    _refuse_twins(files)
-    return files
+    """The files of a kind (a key of SUFFIXES) that sources are or hold."""
+    return [file for source in sources for file in _files(source, kind)]
 
 
 def whole_folder(folder: Path, kind: str) -> list[Path]:
@@ -220,16 +221,24 @@ def _in_folders(source: Path, kind: str) -> list[Path]:
     return [path for path in found if kind != "free-running" or is_free_running(path)]
 
 
-def _refuse_twins(files: Sequence[Path]) -> None:
+def names_apart(sources: Sequence[Path], files_of: Callable[[Path], Sequence[Path]]) -> dict[Path, str]:
+    """The files, or folders, that sources hold or are, and the names of their runs: with the source's folder
+    before it where several sources have one of the same name. UserError where one source has."""
+    found = [(source, file) for source in sources for file in files_of(source)]
+    own = [file.name if file.is_dir() else file.stem for _, file in found]
+    count = Counter(map(str.casefold, own))  # some file systems take both for one
+    names: dict[Path, str] = {}
     by_name: dict[str, Path] = {}
-    for file in files:
-        name = file.stem.casefold()  # some file systems take both for one
-        if name in by_name:
+    for name, (source, file) in zip(own, found, strict=True):
+        folder = (source if source.is_dir() and source != file else file.parent).resolve().name
+        names[file] = name if count[name.casefold()] == 1 else f"{folder}-{name}"
+        if other := by_name.get(names[file].casefold()):
             raise UserError(
-                f"{file}: would be a run of the same name as {by_name[name]}; rename one, or give "
-                "--join-folders if the files of a folder are tables of one run"
+                f"{file}: would be a run of the same name as {other}; rename one, or name their folders, or "
+                "give --join-folders if the files of a folder are tables of one run"
             )
-        by_name[name] = file
+        by_name[names[file].casefold()] = file
+    return names
 
 
 def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tuple[list[Foreign], Wishes]:

@@ -199,7 +199,7 @@ def test_what_is_no_folder_of_tables_is_reported(tmp_path: Path, boat: str) -> N
     wrong = [IN_FOLDERS[0], *(one.replace("front", "frnt") for one in IN_FOLDERS[1:])]
     with pytest.raises(UserError, match="no table 'sensors_frnt_ahrs'; did you mean 'sensors_front_ahrs'"):
         imported(bag, boat, wrong, folders=True)
-    with pytest.raises(UserError, match=r"rename one, or give --join-folders"):
+    with pytest.raises(UserError, match=r"same name as .* or give --join-folders"):
         imported(bag, boat, IN_FOLDERS)
     (gps,) = bag.rglob("gps.csv")
     with pytest.raises(UserError, match=r"gps\.csv: is not a folder"):
