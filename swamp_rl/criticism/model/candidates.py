@@ -68,7 +68,7 @@ class EffectInstance:
         """Name, thrusters and what it differs by; unique among candidates."""
         more = [f"by_{self.by}"] if self.groups else []
         if self.curve:
-            more = [self.curve.component, self.curve.covariate, self.curve.formula or "knots"]
+            more = [self.curve.component, self.curve.covariate, self.curve.formula or "points"]
         return " ".join((self.effect.name, *self.selectors, *more))
 
     @property

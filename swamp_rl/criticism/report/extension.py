@@ -22,9 +22,13 @@ def curve_name(curve: ForceCurve) -> str:
     force = f"thrust of {curve.thruster}" if curve.component == "thrust" else f"{curve.component} force"
     if curve.component == "yaw":
         force = "yaw moment"
+    return f"{force} as a function of {variable_of(curve)}"
+
+
+def variable_of(curve: ForceCurve) -> str:
+    """What a force depends on, with its unit."""
     of = f" {curve.thruster}" if curve.covariate in ("azimuth", "throttle") else ""
-    variable = f"{curve.covariate.replace('_', ' ')}{of} [{COVARIATES[curve.covariate]}]"
-    return f"{force} as a function of {variable}"
+    return f"{curve.covariate.replace('_', ' ')}{of} [{COVARIATES[curve.covariate]}]"
 
 
 def extension_sentence(found: Diagnosis) -> str:
@@ -38,7 +42,7 @@ def extension_sentence(found: Diagnosis) -> str:
             f"The missing force is {names}, but its reduction of the prediction error on held-out runs is "
             "not significant: it is not written to extended_boat.yaml."
         )
-    by = ", ".join(dict.fromkeys(curve.formula or "knots" for curve in extension.curves))
+    by = ", ".join(dict.fromkeys(curve.formula or "linear between points" for curve in extension.curves))
     saved = max(
         (one for one in extension.share if one.quantity == "position_rmse_m"), key=lambda one: one.ci95[0]
     )
@@ -66,7 +70,7 @@ def extension_section(found: Diagnosis) -> str:
         else:
             parts.append(f"<p>{name}</p>")
             labels = [minus(rounded(knot)) for knot in curve.knots]
-            heads = (COVARIATES[curve.covariate], "force", "standard error", "unit")
+            heads = (variable_of(curve), "force", "standard error", "unit")
         every = zip(labels, curve.values, curve.standard_errors, units, strict=True)
         rows = [(label, minus(rounded(value)), rounded(error), unit) for label, value, error, unit in every]
         parts.append(table(heads, rows, numbers=(1, 2)))
