@@ -9,6 +9,7 @@ from pathlib import Path
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.clipped import printable
+from swamp_rl.counted import and_others
 from swamp_rl.course import Course, fitted, load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import is_file, refuse_object
@@ -17,6 +18,7 @@ from swamp_rl.runs.check import MISSING, check_load, check_table, unknown_column
 from swamp_rl.runs.copies import boat_file, boat_of, course_file
 from swamp_rl.runs.describe import common_rate, described, is_table, noted, parse, with_outcomes
 from swamp_rl.runs.faults import Fault
+from swamp_rl.runs.local_frame import GEODETIC, origin_of
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import META as META
 from swamp_rl.runs.schema import DatasetMeta, RunMeta
@@ -160,6 +162,7 @@ def inspect_dataset(
     rate = None if "sample_rate" in description.lacking else meta.sample_rate
     for run in meta.runs:
         _inspect_run(folder, run, vessel, rate, found)
+    found.notes += _unknown(found.runs, vessel)
     if "sample_rate" in description.lacking and not found.faults:
         rate, found.faults = common_rate(found.runs)
         found.meta = meta.model_copy(update={"sample_rate": rate})
@@ -234,11 +237,20 @@ def _inspect_run(
     if meta.rows is not None and table.whole and len(table.rows) != meta.rows:
         message = f"holds {len(table.rows)} rows, {META} has {meta.rows}; restore the file or correct rows"
         found.faults.append(Fault(meta.file, None, None, message))
-    found.notes += [
-        f"{meta.file}: column {name} is not in the run format; kept as it is"
-        for name in unknown_columns(list(table.columns), boat)
-    ]
     found.runs.append(Run(path.stem, table.columns, meta))
+
+
+def _unknown(runs: Sequence[Run], boat: Boat | None) -> list[str]:
+    """A line for each column that the format does not know, but for positions that a run's origin is of."""
+    files: dict[str, list[str]] = {}
+    for run in runs:
+        known = GEODETIC if origin_of(run.meta.model_extra or {}) else ()
+        for name in unknown_columns([one for one in run.columns if one not in known], boat):
+            files.setdefault(name, []).append(str(run.meta.file))
+    return [
+        f"{and_others(every)}: column {name} is not in the run format; kept as it is"
+        for name, every in files.items()
+    ]
 
 
 def _look_for_unlisted_files(folder: Path, found: Inspection) -> None:

@@ -17,6 +17,10 @@ NEAR = 10_000.0
 of the plane within 0.16 degrees of true north at latitudes up to 60 degrees."""
 
 
+GEODETIC = "latitude", "longitude"
+"""Columns in degrees that an import keeps beside north and east."""
+
+
 def to_local(latitude: Array, longitude: Array, origin: Place) -> tuple[Array, Array]:
     """North and east [m] of places [degrees] by the azimuthal equidistant projection about `origin`.
 

@@ -79,12 +79,14 @@ def test_a_csv_and_a_parquet_file_of_one_run_hold_the_same_bits(tmp_path: Path) 
     }
 
 
-def test_an_unknown_column_is_kept_and_reported(folder: Path) -> None:
+def test_an_unknown_column_is_kept_and_reported_once(folder: Path) -> None:
     columns = circling() | {"salinity": np.full(31, 38.0)}
     append_run(folder, Run("three", columns))
+    append_run(folder, Run("four", columns))
     found = inspect_dataset(folder)
     assert found.faults == []
-    assert found.notes == ["three.parquet: column salinity is not in the run format; kept as it is"]
+    message = "three.parquet and 1 other: column salinity is not in the run format; kept as it is"
+    assert found.notes == [message]
     assert (found.runs[2].columns["salinity"] == 38.0).all()
 
 
