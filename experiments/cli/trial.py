@@ -22,7 +22,11 @@ Out = Annotated[
 ]
 Throttle = Annotated[list[float], typer.Option(help="Throttle, 0 to 1; may be repeated.")]
 Angle = Annotated[
-    list[float], typer.Option(help="Steering angle (deg), positive: first to starboard; may be repeated.")
+    list[float],
+    typer.Option(
+        help="Steering angle (deg), positive: first to starboard; may be repeated. "
+        "Fixed thrusters: the inner side is throttled down by angle/90."
+    ),
 ]
 Pattern = Annotated[
     str, typer.Option(help="Azimuth thrusters: opposed (bow +, stern -), bow (bow alone) or parallel.")

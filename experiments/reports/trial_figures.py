@@ -173,7 +173,8 @@ def zig_zags(canvas: Canvas, results: Sequence[Result], length: float) -> None:
             panel.plot(
                 sailed, trace["heading"], dash, color=shades[throttle], lw=1.1, label=percent(throttle)
             )
-        panel.plot(sailed, trace["angle"], color="#999999", lw=0.8, zorder=1, label="steering, fastest")
+        if np.isfinite(trace["angle"]).any():
+            panel.plot(sailed, trace["angle"], color="#999999", lw=0.8, zorder=1, label="steering, fastest")
         panel.set_title(f"{angle:g}°/{heading:g}°")
         low, high = panel.get_ylim()
         panel.set_ylim(max(low, -RUNAWAY), min(high, RUNAWAY))

@@ -236,4 +236,4 @@ def _short(figure: Figure, length: float) -> str:
         return "–"
     if figure.unit == "m":
         return f"{figure.value:.2f} m ({figure.value / length:.2f} L)"
-    return f"{100 * figure.value:.1f} %" if figure.unit == "1" else f"{figure.value:.2f} {figure.unit}"
+    return f"{100 * figure.value:.1f} %" if figure.unit == "1" else f"{figure.value:z.2f} {figure.unit}"

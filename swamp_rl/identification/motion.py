@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, Thruster
 from swamp_rl.errors import UserError
+from swamp_rl.manoeuvres.steering import difference_angle
 from swamp_rl.physics.thrusters import jet_force
 from swamp_rl.runs import Run
 from swamp_rl.simulator import parameters
@@ -22,8 +23,9 @@ PUSHES = 0.02  # throttle [1] from which a thruster counts as pushing
 class Motion(NamedTuple):
     """Rows of one run. velocity, derivative: (T, 3) of surge, sway, yaw rate; jets: (T, 3) their forces.
 
-    steering: (T,) azimuth [rad] that bow jets have and stern jets have opposite (002, section 3);
-    throttle: (T,) mean of the jets that push [1]; lengths: rows of each run in it.
+    steering: (T,) azimuth [rad] that bow jets have and stern jets have opposite (002, section 3), of a boat
+    of fixed thrusters the angle that a trial orders as their difference; throttle: (T,) mean of the jets
+    that push [1]; lengths: rows of each run in it.
     """
 
     time: Array
@@ -66,12 +68,21 @@ def motion_of(run: Run, boat: Boat, smooth: float = 0.0) -> Motion:
         velocity = savgol_filter(velocity, rows, 2, axis=0)
     azimuth, throttle = np.split(_actuators(run, boat), 2, axis=1)
     jets = jet_forces(boat, azimuth, throttle)
-    bow = np.sign([thruster.x for thruster in boat.thrusters])
     pushes = throttle > PUSHES
     count = np.maximum(pushes.sum(axis=1), 1)
-    angle = (np.where(pushes, azimuth, 0.0) * bow).sum(axis=1) / count
     level = np.where(pushes, throttle, 0.0).sum(axis=1) / count
+    angle = _steering(boat, azimuth, throttle, pushes)
     return Motion(run.time, velocity, derivative, jets, angle, level, (len(run.time),))
+
+
+def _steering(boat: Boat, azimuth: Array, throttle: Array, pushes: NDArray[np.bool_]) -> Array:
+    """(T,) the mean angle of the jets (T, K) that push; by their difference where none of them turns."""
+    if all(thruster.kind == "fixed" for thruster in boat.thrusters):
+        found = difference_angle(zip(boat.thrusters, throttle.T, strict=True))
+        return np.zeros(len(throttle)) if found is None else found
+    bow = np.sign([thruster.x for thruster in boat.thrusters])
+    turned = (np.where(pushes, azimuth, 0.0) * bow).sum(axis=1)
+    return np.asarray(turned / np.maximum(pushes.sum(axis=1), 1), np.float64)
 
 
 def motions_of(runs: Sequence[Run], boat: Boat, smooth: float = 0.0) -> Motion:

@@ -1,7 +1,7 @@
 """From an order, one steering angle and one throttle, to the commands of whatever drives the boat."""
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from swamp_rl.boat.fixed_lever import fixed_lever
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.controller import Order, Pattern
 
-Steering = Callable[[Order], NDArray[np.float64]]
+Array = NDArray[np.float64]
+Steering = Callable[[Order], Array]
 STEEPEST = math.pi / 2  # beyond it a jet would push astern
 
 
@@ -43,7 +44,7 @@ def commands_of(boat: Boat, pattern: Pattern) -> Steering:
     """As `steering`, for any boat: what cannot turn it is ordered all the same."""
     parts = [_propeller(t) if isinstance(t, PropellerRudder) else _jet(t, pattern) for t in boat.thrusters]
 
-    def commands(order: Order) -> NDArray[np.float64]:
+    def commands(order: Order) -> Array:
         pairs = [part(order) for part in parts]
         return np.array([angle for angle, _ in pairs] + [level for _, level in pairs])
 
@@ -123,3 +124,22 @@ def _fixed(thruster: Thruster) -> Part:
         return thruster.azimuth_min, way * order.throttle * (1.0 - min(inner / STEEPEST, 1.0))
 
     return part
+
+
+def difference_angle(driven: Iterable[tuple[Thruster | PropellerRudder, Array]]) -> Array | None:
+    """Steering angle (T,) [rad] that gives fixed thrusters these throttles (T,), the inverse of `_fixed`.
+
+    90 degrees where the inner side is at rest or pushes the other way, 0 where no thruster pushes; None for
+    thrusters that do not turn the boat to both sides.
+    """
+    sides: dict[float, list[Array]] = {1.0: [], -1.0: []}
+    for thruster, level in driven:
+        if isinstance(thruster, Thruster) and thruster.kind == "fixed":
+            ahead, turn = fixed_lever(thruster)
+            if ahead * turn != 0.0:
+                sides[ahead * turn].append(ahead * level)
+    if not all(sides.values()):
+        return None
+    starboard, port = (np.mean(sides[turn], axis=0) for turn in (1.0, -1.0))
+    outer = np.maximum(np.abs(starboard), np.abs(port))
+    return STEEPEST * np.clip((starboard - port) / np.where(outer > 0.0, outer, 1.0), -1.0, 1.0)

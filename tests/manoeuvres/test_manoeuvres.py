@@ -280,3 +280,9 @@ def test_a_recorded_trial_replays_exactly_and_is_analysed_from_its_commands_alon
         assert found.kind == result.kind
         name = "advance" if result.kind == "turning-circle" else "first_overshoot"
         assert found.figures[name].value == pytest.approx(result.figures[name].value, rel=0.03)
+
+
+def test_a_straight_run_astern_has_the_throttle_that_was_ordered() -> None:
+    ship = load_boat("esso_osaka")
+    run = run_of_trial(execute(ship, [Trial("straight", 0.5, astern=True, duration=5.0)])[0], ship, "r", 0)
+    assert analyse_run(run, ship).figures["throttle"].value == pytest.approx(0.5)

@@ -67,6 +67,12 @@ def test_a_spiral_whose_steps_back_are_others_has_no_loop() -> None:
     assert "no loop to measure" in analyse_run(stepped("spiral", "step", angles, angles), BOAT).notes[0]
 
 
+def test_a_spiral_that_turns_to_one_side_throughout_names_no_neutral_angle() -> None:
+    verdicts = analyse_run(stepped("spiral", "step", ANGLES, 0.5 * ANGLES + 0.3), BOAT).verdicts
+    assert verdicts["bias"] == "to starboard: +17.19 deg/s amidships, neutral angle not reached"
+    assert not any("nan" in text for text in verdicts.values())
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_a_reverse_spiral_of_eight_yaw_rates_has_an_interval(seed: int) -> None:
     rates = np.linspace(0.2, -0.2, 8)

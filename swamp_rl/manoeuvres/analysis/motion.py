@@ -1,6 +1,7 @@
 """A run as the analysis reads it: an unwrapped motion with its steering angle and its throttle."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from swamp_rl.angles import turned
 from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.heading import slowest_speed
+from swamp_rl.manoeuvres.steering import difference_angle
 from swamp_rl.runs import Run
 
 Array = NDArray[np.float64]
@@ -90,28 +92,42 @@ def motion_of(run: Run, boat: Boat) -> Motion:
 
 def steering_of(run: Run, boat: Boat) -> tuple[Array, Array]:
     """Steering angle [rad], positive turning the bow to starboard, and throttle as a share of full [1]."""
-    angles, forward, levels = [], [], []
-    for thruster in boat.thrusters:
-        angle_column, level_column = thruster.command_columns
-        level = run.columns.get(level_column)
-        if level is None:
-            continue
-        levels.append(level / thruster.throttle_max)
-        angle = run.columns.get(angle_column or "")
+    driven = [(t, run.columns[t.command_columns[1]]) for t in boat.thrusters if _driven(t, run)]
+    nothing = np.full(len(run.time), math.nan)
+    if not driven:
+        return nothing, nothing
+    strongest = np.max([_share(thruster, level) for thruster, level in driven], axis=0)
+    angle = _turned_angle(run, driven)
+    if angle is None:
+        angle = difference_angle(driven)
+    return nothing if angle is None else angle, strongest
+
+
+def _driven(thruster: Thruster | PropellerRudder, run: Run) -> bool:
+    return thruster.command_columns[1] in run.columns
+
+
+def _share(thruster: Thruster | PropellerRudder, level: Array) -> Array:
+    """Of full ahead, or of full astern where it pushes astern."""
+    full = np.where(level < 0.0, -thruster.throttle_min, thruster.throttle_max)
+    return np.abs(level) / np.where(full > 0.0, full, thruster.throttle_max)
+
+
+def _turned_angle(run: Run, driven: Sequence[tuple[Thruster | PropellerRudder, Array]]) -> Array | None:
+    """The angle by the azimuths and rudders of the thrusters with these commands, None without any."""
+    angles, forward = [], []
+    for thruster, level in driven:
+        angle = run.columns.get(thruster.command_columns[0] or "")
         if angle is not None:
             angles.append((_side(thruster) * _about_zero(angle), np.abs(level) > 0.0))
             forward += angles[-1:] if thruster.x > 0.0 else []
-    nothing = np.full(len(run.time), math.nan)
-    if not levels:
-        return nothing, nothing
-    strongest = np.max(np.abs(levels), axis=0)
     # The forward thrusters tell the angle for each pattern; what does not push does not steer.
     ahead = forward or angles
     if not ahead:
-        return nothing, strongest
+        return None
     weight = np.array([works for _, works in ahead], float)
     total = np.maximum(weight.sum(axis=0), 1e-12)
-    return (weight * np.array([angle for angle, _ in ahead])).sum(axis=0) / total, strongest
+    return np.asarray((weight * np.array([angle for angle, _ in ahead])).sum(axis=0) / total, np.float64)
 
 
 def _side(thruster: Thruster | PropellerRudder) -> float:

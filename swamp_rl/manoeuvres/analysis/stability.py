@@ -69,17 +69,20 @@ def _loop(
         "bias_rate": Figure(bias, "deg/s"),
         "neutral_angle": Figure(float(np.mean(neutral)), "deg"),
     }
-    stable = height <= small
+    # Both are NaN where the yaw rate does not pass zero on one of the ways.
+    width, angle = (result.figures[name].value for name in ("loop_width", "neutral_angle"))
+    wide, at = f" and {width:.1f} deg wide", f", neutral angle {angle:+.2f} deg"
+    if math.isnan(angle):
+        wide, at = ", its width unknown", ", neutral angle not reached"
     result.verdicts["course_stability"] = (
         f"stable: both branches agree within {height:.2f} deg/s"
-        if stable
-        else f"unstable: a loop {height:.2f} deg/s high and {abs(neutral[1] - neutral[0]):.1f} deg wide"
+        if height <= small
+        else f"unstable: a loop {height:.2f} deg/s high{wide}"
     )
-    angle = result.figures["neutral_angle"].value
     result.verdicts["bias"] = (
         f"none: {bias:+z.2f} deg/s amidships"
         if abs(bias) <= 0.5 * small
-        else named(bias, f"{bias:+.2f} deg/s amidships, neutral angle {angle:+.2f} deg")
+        else named(bias, f"{bias:+.2f} deg/s amidships{at}")
     )
 
 
@@ -101,6 +104,9 @@ def analyse_reverse_spiral(
     rates = np.array([np.degrees(motion.yaw_rate[rows]).mean() for rows in parts])
     angles = np.array([np.degrees(motion.angle[rows]).mean() for rows in parts])
     result.traces |= {"angle": angles, "rate": rates}
+    if not np.isfinite(angles).all():
+        result.notes.append("its commands give no steering angle: no curve through the yaw rates")
+        return
     if len(rates) < 8:
         result.notes.append("fewer than eight steady yaw rates: no curve through them")
         return
