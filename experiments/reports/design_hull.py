@@ -18,6 +18,8 @@ from swamp_rl.experiments.reports.design import (
 )
 from swamp_rl.experiments.reports.design_hull_figure import draw_hull
 
+from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.resistance import DriftResistance
 from swamp_rl.design.hull_lines import HullDesign, load_hull
 from swamp_rl.design.hydrostatics import Hydrostatics, draught_of, hydrostatics
 from swamp_rl.design.stability import CRITERIA, Stability, stability
@@ -69,7 +71,7 @@ def write_hull(out: Path, asked: str, boat: str) -> list[str]:
         Table("load.csv", {"mass": "kg", "draught": "m"}, draught_over_load(hull)),
         Table("levers.csv", LEVERS, lever_rows(conditions)),
     ]
-    changes = floating(hull, conditions[0])
+    changes = floating(hull, conditions[0]) | as_before(load_boat(boat), hull, conditions[0])
     drawn = partial(draw_hull, hull=hull, over_draught=over_draught, conditions=conditions)
     write_design(out, asked, content, tables, (FIGURE, drawn), boat_file(boat, changes))
     lines = []
@@ -91,6 +93,23 @@ def floating(hull: HullDesign, condition: Stability) -> dict[str, Any]:
         "hull": {"spacing": designed(hull.spacing, "m", source)},
         "loading": loading(hull),
     }
+
+
+def as_before(boat: Boat, hull: HullDesign, condition: Stability) -> dict[str, Any]:
+    """The section `resistance` by which the extended boat keeps its resistance [N]: X'_0 is per ½ρLd, which
+    the hull changes. Empty for a towing tank's results.
+    """
+    if not isinstance(boat.resistance, DriftResistance):
+        return {}
+    before = boat.water_density * boat.length * boat.draught
+    ratio = before / (hull.water_density * hull.length * condition.upright.draught)
+    source = f"boat {boat.name}, times {ratio:.4g} for the same resistance by the draught of {hull.name}"
+    scaled: dict[str, Any] = {}
+    for name in DriftResistance.model_fields:
+        sd = boat.provenance[f"resistance.{name}"].sd
+        spread = {} if sd is None else {"sd": ratio * float(np.max(sd))}
+        scaled[name] = designed(ratio * getattr(boat.resistance, name), "1", source) | spread
+    return {"resistance": scaled}
 
 
 def loading(hull: HullDesign) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.transforms import offset_copy
 
 from swamp_rl.design.hull_lines import HullDesign, half_breadth
 from swamp_rl.design.hydrostatics import Hydrostatics
@@ -15,6 +16,8 @@ from swamp_rl.figure_style import sheet
 DARK, WATER, WARM, GREY = "#40514e", "#11698e", "#c1502e", "#8a9694"
 SHADES = (WATER, WARM, DARK, "#7a5195", "#bc8f00")
 STATIONS, WATERLINES = 8, 5
+SLENDER = 12.0  # length over breadth of a demihull, beyond which more than two ticks abeam overlap
+BELOW_LABEL = -34.0  # points from the axis, beneath its ticks and label, however flat the hull
 
 
 def draw_hull(
@@ -71,9 +74,12 @@ def waterlines(axes: Any, hull: HullDesign) -> None:
             axes.axvline(1e3 * side, color=GREY, lw=0.6, ls=":")
     axes.set(title="Waterlines of a demihull", xlabel="forward of midship [mm]", ylabel="half breadth [mm]")
     axes.set_aspect("equal")
+    if hull.length > SLENDER * hull.breadth:
+        axes.set_yticks([-500.0 * hull.breadth, 500.0 * hull.breadth])
+    below = offset_copy(axes.transAxes, axes.figure, y=BELOW_LABEL, units="points")
     axes.legend(
-        title="height [mm]", loc="upper center", bbox_to_anchor=(0.5, -0.28), ncols=WATERLINES, fontsize=8,
-        title_fontsize=8,
+        title="height [mm]", loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
+        ncols=WATERLINES, fontsize=8, title_fontsize=8,
     )  # fmt: skip
 
 

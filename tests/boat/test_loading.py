@@ -7,8 +7,11 @@ from swamp_rl.experiments.reports.design_hull import write_hull
 
 from swamp_rl.boat import load_boat
 from swamp_rl.boat.digest import boat_digest
+from swamp_rl.boat.estimate import annotated
+from swamp_rl.boat.estimate import boat_file as estimated
 from swamp_rl.design import draught_of, load_hull
 from swamp_rl.errors import UserError
+from swamp_rl.simulator.reference import reference_of
 
 TABLE = "loading: {density: 1025.0, mass: [20.0, 40.0, 60.0], draught: [0.05, 0.10, 0.14]}\n"
 
@@ -35,6 +38,15 @@ def test_a_designed_hull_gives_the_draught_of_any_load(tmp_path: Path) -> None:
     mine = tmp_path / "light.yaml"
     mine.write_text("extends: hull/boat.yaml\nname: light\nmass: 48.0\ndraught: loading\n")
     assert load_boat(mine).draught == pytest.approx(draught_of(load_hull("swamp_hull"), 48.0), abs=5e-4)
+
+
+def test_a_designed_hull_keeps_the_resistance_of_coefficients(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(annotated(estimated("mine", "twin-fixed", 1.24, 1.1, 57.0, 40.0), "Of one hull."))
+    write_hull(tmp_path / "hull", "swamp_hull", str(mine))
+    before, after = load_boat(mine), load_boat(tmp_path / "hull" / "boat.yaml")
+    assert after.draught != pytest.approx(before.draught, rel=0.01)
+    assert reference_of(after).speed == pytest.approx(reference_of(before).speed, rel=1e-3)
 
 
 def test_a_table_that_is_not_used_changes_no_digest(tmp_path: Path) -> None:
