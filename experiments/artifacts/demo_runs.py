@@ -1,6 +1,7 @@
 """What `swamp-rl demo` shows: runs of datasets, results folders and single files, and pilots flown beside."""
 
 import fnmatch
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -61,25 +62,44 @@ def read_shown(sources: Sequence[str | Path], patterns: list[str], align: Align 
     if len({_text(part.course) for part in parts}) > 1:
         courses = ", ".join(sorted(part.course.name if part.course else "none" for part in parts))
         raise UserError(f"these are runs of different courses ({courses}); show each course by itself")
-    shown: dict[str, list[Run]] = {}
-    for part in parts:
-        kept = {
-            group: [run for run in runs if _wanted(part, group, run, patterns)]
-            for group, runs in part.groups.items()
-        }
-        for group, runs in kept.items():
-            if runs:
-                _add(shown, group, runs)
-        for pilot in pilots:
-            if any(kept.values()):
-                _add(shown, pilot.name, _beside(pilot, part, [run for runs in kept.values() for run in runs]))
-    if not shown:
+    each = [_of_source(part, pilots, patterns) for part in parts]
+    if not any(each):
         raise UserError(_nothing_fits(parts, patterns))
     first = parts[0]
     one_boat = len({boat_digest(part.boat) for part in parts}) == 1
     title = ", ".join(folder.resolve().name for folder, _ in named)
     size = first.boat.length, first.boat.breadth
+    shown = _told_apart(each, _names(named))
     return demo_scene(title, shown, first.course, size, align, one_boat)
+
+
+def _of_source(part: Found, pilots: Sequence[Asked], patterns: list[str]) -> dict[str, list[Run]]:
+    """The runs of a source that are wanted, and the pilots beside them, by driver."""
+    kept = {
+        group: [run for run in runs if _wanted(part, group, run, patterns)]
+        for group, runs in part.groups.items()
+    }
+    shown = {group: runs for group, runs in kept.items() if runs}
+    beside = [run for runs in shown.values() for run in runs]
+    for pilot in pilots if beside else ():
+        _add(shown, pilot.name, _beside(pilot, part, beside))
+    return shown
+
+
+def _names(named: Sequence[tuple[Path, Found]]) -> list[str]:
+    """What tells sources apart: their boats, where each has another, else their folders or files."""
+    boats = [part.boat.name for _, part in named]
+    return boats if len(set(boats)) == len(boats) else [source.resolve().stem for source, _ in named]
+
+
+def _told_apart(each: Sequence[dict[str, list[Run]]], names: Sequence[str]) -> dict[str, list[Run]]:
+    """The runs of all sources by driver, and by the source's name where a driver is of several."""
+    count = Counter(group for groups in each for group in groups)
+    shown: dict[str, list[Run]] = {}
+    for groups, name in zip(each, names, strict=True):
+        for group, runs in groups.items():
+            _add(shown, f"{group} {name}" if count[group] > 1 else group, runs)
+    return shown
 
 
 def _usual_runs(pilots: Sequence[Asked]) -> list[tuple[Path, Found]]:

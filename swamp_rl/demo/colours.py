@@ -25,11 +25,13 @@ PALETTE: tuple[Colour, ...] = tuple(dict.fromkeys(DRIVERS.values()))
 def driver_colours(drivers: Iterable[str]) -> dict[str, Colour]:
     """The colour of each driver, in RGB of 0 to 255.
 
-    Drivers of `DRIVERS` (`human Anna` too) keep theirs whoever else is shown. Any other has one by a hash of
-    its name, or the next that is free; where none is, colours repeat.
+    Drivers of `DRIVERS` (`human Anna` too) keep theirs whoever else is shown; of several that begin alike the
+    first by name does. Any other has one by a hash of its name, or the next that is free; where none is,
+    colours repeat.
     """
     names = list(dict.fromkeys(drivers))
-    found = {name: DRIVERS[name.split(" ")[0]] for name in names if name.split(" ")[0] in DRIVERS}
+    keeps = {name.split(" ")[0]: name for name in sorted(names, reverse=True)}
+    found = {name: DRIVERS[driver] for driver, name in keeps.items() if driver in DRIVERS}
     for name in sorted(set(names) - set(found)):
         first = zlib.crc32(name.encode()) % len(PALETTE)
         ahead = PALETTE[first:] + PALETTE[:first]

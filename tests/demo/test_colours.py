@@ -11,6 +11,13 @@ def test_a_known_driver_has_the_same_colour_in_any_company() -> None:
     assert driver_colours(["human Anna"])["human Anna"] == DRIVERS["human"]
 
 
+def test_of_drivers_that_begin_alike_one_keeps_the_colour_whatever_their_order() -> None:
+    names = ["scripted kat", "scripted barge", "ppo"]
+    found = driver_colours(names)
+    assert found == driver_colours(names[::-1])
+    assert found["scripted barge"] == DRIVERS["scripted"] and len(set(found.values())) == 3
+
+
 def test_unknown_drivers_have_colours_of_their_own_whatever_their_order() -> None:
     names = ["mine", "yours", "reservoir", "theirs"]
     found = driver_colours(names)

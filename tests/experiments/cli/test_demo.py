@@ -54,9 +54,17 @@ def test_results_show_their_race_and_any_other_run_that_is_asked_for(results: Pa
     assert labels([results], "human/*", "*-0") == ["human/run-1", "human/run-2", "reservoir/reservoir-0"]
 
 
-def test_two_datasets_of_one_source_stay_apart(tmp_path: Path) -> None:
+def test_drivers_of_one_name_are_told_apart_by_their_dataset_in_colours_of_their_own(tmp_path: Path) -> None:
     folders = [dataset(tmp_path / name, "human", ["x"]) for name in ("a", "b")]
-    assert labels(folders) == ["human/x", "human 2/x"]
+    assert labels(folders) == ["human a/x", "human b/x"]
+    fleets = read_shown(folders, [], "gate").fleets
+    assert len({fleet.colour for fleet in fleets}) == 2
+
+
+def test_drivers_of_one_name_are_told_apart_by_their_boats_where_these_differ(tmp_path: Path) -> None:
+    boats = {"a": "swamp", "b": "swamp-light"}
+    folders = [dataset(tmp_path / name, "scripted", ["x"], vehicle=boat) for name, boat in boats.items()]
+    assert labels(folders) == ["scripted swamp/x", "scripted swamp-light/x"]
 
 
 def test_a_run_is_shown_under_who_had_the_helm_and_the_persons_nickname(tmp_path: Path) -> None:
