@@ -10,6 +10,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from swamp_rl.clipped import clipped
+from swamp_rl.config_kind import MARKS, refuse_other_kind
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 
 LIKE = 0.6
@@ -82,6 +84,9 @@ def validated(
     try:
         return model.model_validate(data)
     except ValidationError as error:
+        for kind, marks in {} if below else MARKS.items():
+            if marks <= model.model_fields.keys():
+                refuse_other_kind(path, data, kind)
         raise explain(path, error, model, lambda loc: _in_data(loc, data), below) from error
 
 
@@ -114,7 +119,7 @@ def explain(
         for key, message in explanations(error, model, located)
     ]
     others = len(_faults(error)) - len(lines)
-    return UserError("\n".join(lines + ([f"{path}: and {others} more faults"] if others else [])))
+    return UserError("\n".join(lines + ([f"{path}: and {counted(others, 'more fault')}"] if others else [])))
 
 
 def explanations(

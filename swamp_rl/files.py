@@ -177,7 +177,7 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
         return copy
     given = Path(name_or_path)
     if _is_path(given):
-        if not given.name:
+        if not given.name or os.path.isdir(given):
             raise UserError(f"{given}: is a folder; give a path to a YAML file or one of {_known(kind)}")
         if not is_file(given):
             other = given.with_suffix(".yml" if given.suffix == ".yaml" else ".yaml")
@@ -187,6 +187,8 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
         return given
     found = _configs() / kind / f"{given}.yaml"
     if not is_file(found):
+        if os.path.isdir(given):
+            raise UserError(f"{given}: is a folder; give a path to a YAML file or one of {_known(kind)}")
         if given.suffix and is_file(given):
             raise UserError(f"{clipped(given)}: is no YAML file; {kind} are files that end in .yaml")
         beside = [name for name in (f"{given}.yaml", f"{given}.yml") if is_file(Path(name))]

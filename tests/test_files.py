@@ -258,12 +258,14 @@ def test_a_config_named_without_its_suffix_is_answered_with_the_file_beside(
         find_config("boats", "swamq")
 
 
-def test_an_unknown_config_lists_those_there_are() -> None:
+def test_an_unknown_config_lists_those_there_are(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "folder" / "inner").mkdir(parents=True)
     with pytest.raises(UserError, match=r"no boat file named 'swmp'; did you mean 'swamp'\?.*swamp-light"):
         find_config("boats", "swmp")
     with pytest.raises(UserError, match=r"nowhere/file\.yaml: no such file"):
         find_config("boats", "nowhere/file.yaml")
-    for folder in (".", "./"):
+    for folder in (".", "./", "folder", "folder/inner"):
         with pytest.raises(UserError, match=r"is a folder; give a path"):
             find_config("boats", folder)
 

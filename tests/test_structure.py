@@ -17,6 +17,7 @@ FLOORS = (
         "angles",
         "errors",
         "clipped",
+        "config_kind",
         "counted",
         "constants",
         "digits",

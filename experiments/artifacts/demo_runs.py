@@ -11,11 +11,12 @@ from swamp_rl.experiments.artifacts.provenance import CONFIG, RESULTS, home_of
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat.digest import boat_digest
+from swamp_rl.config_kind import config_kind, one_file
 from swamp_rl.course import Course, fitted, load_course
 from swamp_rl.demo.conditions import conditions
 from swamp_rl.demo.scene import Align, DemoScene, demo_scene
 from swamp_rl.errors import UserError
-from swamp_rl.files import shipped_folders
+from swamp_rl.files import read_yaml, shipped_folders
 from swamp_rl.json_text import read_json
 from swamp_rl.names import YAML, file_in
 from swamp_rl.pilots.arguments import Asked, asked_pilot, names_pilot
@@ -201,6 +202,10 @@ def _driver(run: Run, source: str) -> str:
 
 
 def _read_file(path: Path) -> Found:
+    if not is_table(path):
+        kind = config_kind(read_yaml(path)) if path.suffix in (".yaml", ".yml") else None
+        what = one_file(kind) if kind else "no file of a run (.csv, .parquet)"
+        raise UserError(f"{path}: is {what}; name a dataset, a results folder, a run's file or a pilot")
     if not (path.parent / META).is_file():
         raise UserError(f"{path}: has no {META} beside it to tell its boat; import it: swamp-rl runs import")
     meta = read_meta(path.parent)

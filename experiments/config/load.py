@@ -16,8 +16,8 @@ from swamp_rl.experiments.config.schema import Experiment, PilotPlan, senses_in
 from swamp_rl.experiments.config.smoke import shrunk
 
 from swamp_rl import own_code
-from swamp_rl.boat import Boat
 from swamp_rl.clipped import clipped
+from swamp_rl.config_kind import refuse_other_kind
 from swamp_rl.errors import UserError, errors_at
 from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, is_file, or_beside, read_yaml, validated
@@ -25,8 +25,6 @@ from swamp_rl.own_code import is_code
 from swamp_rl.pilots.own import is_named, runs_code
 from swamp_rl.yaml_text import DEEPEST, parsed
 
-FEWEST_OF_BOAT = 3
-"Keys of a boat by which a boat file is known."
 KEPT = "experiment.yaml"
 "The name of the configuration that a folder of results keeps."
 SOMEWHERE = "<layer>"
@@ -159,7 +157,7 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> l
     if path.resolve() in seen:
         raise UserError(f"{path}: extends itself by way of {seen[-1].name}; end the circle")
     data = read_yaml(path)
-    _refuse_boat_file(path, data)
+    refuse_other_kind(path, data, "experiment")
     if path.name == KEPT:
         _refuse_code(path, data, allowed)
     else:
@@ -170,16 +168,6 @@ def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> l
     if not isinstance(base, str):
         raise UserError(f"{path}: extends must name another experiment, not {in_yaml(base)}")
     return [*_extended(_base_of(path, base), (*seen, path.resolve()), allowed), (path, data)]
-
-
-def _refuse_boat_file(path: Path, data: Mapping[str, Any]) -> None:
-    """UserError in place of one for each key of a boat."""
-    others = [key for key in data if key not in Experiment.model_fields and key in Boat.model_fields]
-    if len(others) >= FEWEST_OF_BOAT and not data.keys() & {"boat", "pilots"}:
-        raise UserError(
-            f"{path}: is a boat file ({', '.join(others[:FEWEST_OF_BOAT])}), not an experiment; name an "
-            "experiment, whose key boat names this file"
-        )
 
 
 def _base_of(path: Path, base: str) -> Path:

@@ -17,6 +17,7 @@ from swamp_rl.boat.resistance import DRIFT, TABLE
 from swamp_rl.boat.resolve import TEMPLATE, resolved
 from swamp_rl.boat.schema import JET, PROPELLER, Boat
 from swamp_rl.boat.screw import OPEN_WATER
+from swamp_rl.config_kind import refuse_other_kind
 from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations
@@ -25,6 +26,8 @@ from swamp_rl.files import extended_config, find_config, read_yaml
 TAGS = (JET, PROPELLER, TABLE, DRIFT, *OPEN_WATER, CURVE, MEASURED, SHAFT)
 Chain = list[tuple[Path, dict[str, Any]]]
 """Boat files and what they hold; each overrides those before it."""
+BROUGHT = [(section, "is missing; add it") for section in ("wind", "current", "joypad")]
+"""Faults of sections that may be left out: there are no defaults where another fault leaves none."""
 REPLACES = ", or write thrusters: {NAME: {KEY: VALUE}} (a list replaces all thrusters of the extended file)"
 
 
@@ -78,6 +81,7 @@ def boat_chain(name_or_path: str | Path) -> Chain:
     chain: Chain = []
     while True:
         chain.insert(0, (path, read_yaml(path)))
+        refuse_other_kind(path, chain[0][1], "boat")
         extended = chain[0][1].get("extends")
         if "extends" not in chain[0][1]:
             return chain
@@ -97,7 +101,7 @@ def _validated(
         faults = explanations(error, Boat, lambda loc: _place(loc, raw))
         hinted = (
             (key, message + missing_hint * (key.startswith("thrusters.") and "is missing" in message))
-            for key, message in faults
+            for key, message in [fault for fault in faults if fault not in BROUGHT] or faults
         )
         _refuse(hinted, origins, asked)
         raise AssertionError("a ValidationError without a fault") from error

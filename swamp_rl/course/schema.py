@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from swamp_rl.config_kind import refuse_other_kind
 from swamp_rl.constants import DAY, FASTEST_BOAT, LONGEST_BOAT, SHORTEST_BOAT, SLOWEST_BOAT
 from swamp_rl.errors import UserError
 from swamp_rl.files import extended_config, find_config, read_yaml, validated
@@ -221,6 +222,7 @@ def course_files(name_or_path: str | Path) -> list[Path]:
     """The course's file and those that it extends; UserError where they go round in a circle."""
     files = [find_config("courses", name_or_path)]
     while "extends" in (data := read_yaml(files[-1])):
+        refuse_other_kind(files[-1], data, "course")
         files.append(extended_config("courses", files[-1], data["extends"]))
         if files[-1].resolve() in [file.resolve() for file in files[:-1]]:
             raise UserError(f"{files[-1]}: extends forms a cycle; remove one of them")

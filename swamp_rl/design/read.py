@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from swamp_rl.boat.magnitude import out_of_range
 from swamp_rl.clipped import clipped
+from swamp_rl.config_kind import refuse_other_kind
 from swamp_rl.errors import UserError
 from swamp_rl.explain import in_yaml
 from swamp_rl.files import find_config, read_yaml, validated
@@ -34,7 +35,9 @@ def read_design(name_or_path: str | Path, kind: str, model: type[Model]) -> Mode
     kind: what its key `design` must say. UserError names file, key and what is allowed.
     """
     path = find_config("designs", name_or_path)
-    data = {"name": path.stem} | read_yaml(path)
+    data = read_yaml(path)
+    refuse_other_kind(path, data, "design")
+    data = {"name": path.stem} | data
     if data.get("design") != kind:
         message = f"is {clipped(in_yaml(data['design']))}" if "design" in data else "is missing"
         raise UserError(f"{path}: design: {message}; swamp-rl design {kind} takes files with design: {kind}")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.config_kind import refuse_other_kind
 from swamp_rl.effects.apply import write_effect
 from swamp_rl.effects.correlated import Correlated, parse_correlated
 from swamp_rl.effects.declare import FULL_TURN
@@ -91,7 +92,7 @@ def load_disturbances(
         return _level("none", "no disturbances", {}, thruster_names)
     if isinstance(source, str | Path):
         path = find_config("disturbances", source)
-        given = fitted_level(read_yaml(path, OF_LEVEL), str(path), size, thruster_names)
+        given = fitted_level(_read(path), str(path), size, thruster_names)
         return _level(path.stem, str(path), given, thruster_names)
     return _level("effects", "disturbances", {"effects": source}, thruster_names)
 
@@ -104,10 +105,16 @@ def read_level(
     `load_disturbances`.
     """
     path = find_config("disturbances", source)
-    given = read_yaml(path, OF_LEVEL)
+    given = _read(path)
     names = thruster_names or _thrusters_named(given.get("effects"))
     fitted = fitted_level(given, str(path), size, names)
     return fitted, _level(path.stem, str(path), fitted, names)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    given = read_yaml(path, OF_LEVEL)
+    refuse_other_kind(path, given, "disturbance")
+    return given
 
 
 def level_of(given: Mapping[str, Any], where: str) -> Level:

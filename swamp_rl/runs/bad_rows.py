@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.runs.check import STEP_TOLERANCE
 from swamp_rl.runs.faults import Fault, condensed, faults_at
@@ -37,7 +38,7 @@ class Stretches:
 def first_of(lines: Sequence[str]) -> list[str]:
     """MOST_TOLD lines, and the count of the others."""
     others = len(lines) - MOST_TOLD
-    return [*lines[:MOST_TOLD], *([f"and {others} more faults"] if others > 0 else [])]
+    return [*lines[:MOST_TOLD], *([f"and {counted(others, 'more fault')}"] if others > 0 else [])]
 
 
 def listed(lines: Sequence[str], ending: str) -> str:

@@ -148,6 +148,7 @@ def test_what_is_asked_wrongly_is_one_line(
             ["tables"],
             "tables: has no dataset.yaml to tell the boat of its runs; write vehicle: NAME into one",
         ),
+        (["boat.yaml"], "boat.yaml: is a boat file; name a dataset"),
         (["other"], "was made for boat launch (5 m, thrusters azimuth jet), it cannot drive swamp (1.24 m"),
         (["other"], "name a pilot of swamp, or runs of boat launch"),
         (["damaged"], "pilot.json: was changed since it was written"),
@@ -158,6 +159,7 @@ def test_a_source_that_cannot_be_shown_is_one_line_and_leaves_nothing(
     tmp_path: Path, call: Call, sources: list[str], part: str
 ) -> None:
     dataset(tmp_path / "pond", "human", ["x"], course=None)
+    (tmp_path / "boat.yaml").write_text("extends: swamp\nmass: 50.0\n")
     of_launch = {"boat": "launch", "length": 5.0, "thrusters": {"jet": "azimuth"}}
     made = made_for(load_boat("swamp"), "camogli", 0.1).model_copy(update=of_launch)
     for name in ("other", "damaged"):
@@ -168,7 +170,8 @@ def test_a_source_that_cannot_be_shown_is_one_line_and_leaves_nothing(
     (tmp_path / "tables").mkdir()
     (tmp_path / "tables" / "one.csv").write_text("time\n")
     assert_complains(call("demo", *sources, *([] if "--html" in sources else ["--html", "a.html"])), part)
-    assert {path.name for path in tmp_path.iterdir()} == {"pond", "other", "damaged", "file", "tables"}
+    left = {path.name for path in tmp_path.iterdir()}
+    assert left == {"pond", "boat.yaml", "other", "damaged", "file", "tables"}
 
 
 def test_a_damaged_pilot_of_the_package_asks_for_a_new_installation(

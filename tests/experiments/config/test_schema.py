@@ -176,8 +176,7 @@ def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, over
 def test_a_boat_file_and_runs_in_place_of_what_is_needed_are_reported_in_one_line(tmp_path: Path) -> None:
     boat = find_config("boats", "swamp")
     assert complaint(boat) == (
-        f"{boat}: is a boat file (length, breadth, draught), not an experiment; name an experiment, whose "
-        "key boat names this file"
+        f"{boat}: is a boat file; an experiment file is needed here, whose key boat names this one"
     )
     (tmp_path / "run.csv").write_text("time\n")
     message = "is a file, not a folder of runs; swamp-rl runs import makes one of a log"
