@@ -33,27 +33,42 @@ def draw_bollard(path: Path, boat: str, points: Sequence[Point]) -> None:
 
 
 def draw_towed(path: Path, boat: str, points: Sequence[Point]) -> None:
-    """Write a PNG of the towing force and of 1 - t against the throttle, a curve for each set and speed."""
+    """Write a PNG of the towing force and of 1 - t against the throttle, a curve for each set and speed; of
+    one throttle against the speed, a curve for each set.
+    """
+    over_speed = len({point.throttle for point in points}) == 1 < len({point.speed for point in points})
     with sheet(path, 9.0, 4.4) as canvas:
         force, factor = canvas.subplots(1, 2)
-        shades = colours([point.speed for point in points])
+        shades = colours([_other(point, over_speed) for point in points])
         sets = list(dict.fromkeys(point.thrusters for point in points))
         for i, names in enumerate(sets):
-            for speed, colour in shades.items():
-                some = [p for p in points if (p.thrusters, p.speed) == (names, speed)]
-                some.sort(key=lambda p: p.throttle)
-                at = [100.0 * point.throttle for point in some]
+            for held, colour in shades.items():
+                some = [p for p in points if (p.thrusters, _other(p, over_speed)) == (names, held)]
+                some.sort(key=lambda p: _along(p, over_speed))
+                at = [_along(point, over_speed) for point in some]
                 style: dict[str, Any] = {"color": colour, "ms": 4, "lw": 1.2}
-                line, label = f"{MARKS[i % len(MARKS)]}-", f"{', '.join(names)} at {speed:g} m/s"
+                line = f"{MARKS[i % len(MARKS)]}-"
+                label = f"{', '.join(names)} at " + (f"{held:g} %" if over_speed else f"{held:g} m/s")
                 force.plot(at, [p.towing_force for p in some], line, label=label, **style)
                 factor.plot(at, [p.thrust_factor for p in some], line, **style)
         force.axhline(0.0, color="#888888", lw=0.8)
-        force.set(xlabel="throttle [%]", ylabel="towing force F_D [N]", title="below 0: self-propelled")
-        factor.set(xlabel="throttle [%]", ylabel="1 - t [1]", title="(R - F_D) / T_bollard, eq. 7.1")
+        xlabel = "speed [m/s]" if over_speed else "throttle [%]"
+        force.set(xlabel=xlabel, ylabel="towing force F_D [N]", title="below 0: self-propelled")
+        factor.set(xlabel=xlabel, ylabel="1 - t [1]", title="(R - F_D) / T_bollard, eq. 7.1")
         _from_zero(factor)
         handles, labels = force.get_legend_handles_labels()
         canvas.legend(handles, labels, loc="outside lower center", ncols=3)
         canvas.suptitle(f"Towed trial of {boat}", fontweight="bold")
+
+
+def _along(point: Point, over_speed: bool) -> float:
+    """What the curves run along: speed [m/s] or throttle [%]."""
+    return point.speed if over_speed else 100.0 * point.throttle
+
+
+def _other(point: Point, over_speed: bool) -> float:
+    """What a curve is drawn at: throttle [%] or speed [m/s]."""
+    return _along(point, not over_speed)
 
 
 def _from_zero(axes: Any) -> None:

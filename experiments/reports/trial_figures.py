@@ -15,6 +15,7 @@ from swamp_rl.files import write_beside
 from swamp_rl.manoeuvres.analysis.figure import Result
 
 Draw = Callable[[Canvas, Sequence[Result], float], None]
+FLAT = 0.04  # width over length of tracks that are drawn wider than they are
 RUNAWAY = 360.0  # deg of heading beyond which a zig-zag is cut off
 
 
@@ -197,7 +198,7 @@ def zig_zag_tracks(canvas: Canvas, results: Sequence[Result], length: float) -> 
         key=lambda r: (abs(angle_of(r)), angle_of(r)),
     )
     shades = colours([abs(angle_of(result)) for result in some])
-    apart = 0.0
+    apart = farthest = 0.0
     for result in some:
         ahead, aside = _turned_upright(result.traces["place"], float(result.traces["course"]))
         apart -= float(aside.min()) / length
@@ -206,7 +207,12 @@ def zig_zag_tracks(canvas: Canvas, results: Sequence[Result], length: float) -> 
             ahead / length, aside / length + apart, color=shades[abs(angle_of(result))], lw=1.2, label=label
         )
         apart += float(aside.max()) / length + 2.0
-    axes.set(xlabel="ahead [L]", ylabel="to starboard, offset for clarity [L]", aspect="equal")
+        farthest = max(farthest, float(np.ptp(ahead)) / length)
+    shape = (apart - 2.0) / max(farthest, 1e-9)
+    flat = shape < FLAT
+    canvas.set_size_inches(9.0, 4.0 if flat else min(1.8 + 8.4 * shape, 9.0))
+    across = "to starboard, enlarged [L]" if flat else "to starboard, offset [L]"
+    axes.set(xlabel="ahead [L]", ylabel=across, aspect="auto" if flat else "equal")
     axes.invert_yaxis()  # as seen from above, bow to the right
     canvas.legend(loc="outside lower center", ncols=8)
     canvas.suptitle(f"Tracks of the zig-zags at {percent(most)}", fontweight="bold")
