@@ -201,11 +201,11 @@ def bench(
     out: Annotated[Path, typer.Option(help="The JSON file to write.")] = Path("bench.json"),
 ) -> None:
     """Measure speed relative to Gymnasium's Pendulum-v1."""
-    from swamp_rl.experiments.studies.speed import run_bench
+    from swamp_rl.experiments.studies.speed import MEANING, run_bench
 
     refuse_suffix("--out", out, ".json")
     for name, value in run_bench(out).items():
-        typer.echo(f"{name:<42} {value:>16,.4g}")
+        typer.echo(f"{MEANING[name]:<54} {value:>12,.{0 if value >= 1000.0 else 3}f}")
     typer.echo(f"written to {out}")
 
 

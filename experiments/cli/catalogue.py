@@ -77,20 +77,26 @@ def courses(
     for known in config_names("courses") if name is None else [name]:
         course = load_course(known)
         pose, edge = course.start.pose, course.bounds
-        typer.echo(f"{course.name}: {len(course.gates)} gates, time limit {course.time_limit:g} s")
+        typer.echo(f"{course.name}: {len(course.gates)} gates, time limit {round(course.time_limit, 1):g} s")
         if course.boat_length is not None:
             typer.echo(f"  for a boat of {course.boat_length:g} m; for others scaled by their length")
         for gate in course.gates:
-            typer.echo(
-                f"  gate {gate.name}: north {gate.centre.north:g}, east {gate.centre.east:g} m, "
-                f"width {gate.width:g} m, passed towards {degrees(gate.heading):g} deg"
-            )
-        typer.echo(f"  start: north {pose.north:g}, east {pose.east:g} m, {degrees(pose.heading):g} deg")
-        typer.echo(f"  bounds: north {edge.south:g} to {edge.north:g}, east {edge.west:g} to {edge.east:g} m")
+            at = f"north {_metres(gate.centre.north)}, east {_metres(gate.centre.east)} m"
+            towards = f"passed towards {round(degrees(gate.heading), 1):g} deg"
+            typer.echo(f"  gate {gate.name}: {at}, width {_metres(gate.width)} m, {towards}")
+        at, heading = f"north {_metres(pose.north)}, east {_metres(pose.east)} m", degrees(pose.heading)
+        south, north, west, east = map(_metres, (edge.south, edge.north, edge.west, edge.east))
+        typer.echo(f"  start: {at}, {round(heading, 1):g} deg")
+        typer.echo(f"  bounds: north {south} to {north}, east {west} to {east} m")
         if course.depth is not None:
             typer.echo(
                 "  depth: " + " to ".join(f"{depth:g}" for depth in sorted({*course.depth.uniform})) + " m"
             )
+
+
+def _metres(length: float) -> str:
+    """To the centimetre."""
+    return f"{round(length, 2):z.10g}"
 
 
 def pilots(

@@ -19,10 +19,11 @@ def mission(
     ] = False,
 ) -> None:
     """Simulate a mission's legs; power, current and charge of each battery pack, remaining range."""
+    from swamp_rl.experiments.cli.progress import progress
     from swamp_rl.experiments.reports.mission import DATA, lines, write_mission
 
     from swamp_rl.boat import load_boat
-    from swamp_rl.energy.fly import fly
+    from swamp_rl.energy.fly import LOG, fly
     from swamp_rl.energy.mission import load_mission
     from swamp_rl.errors import errors_at
     from swamp_rl.replacement import refuse_to_replace
@@ -32,7 +33,8 @@ def mission(
         refuse_to_replace(out, (DATA,))
     with errors_at(f"{path}: boat") if boat is None else nullcontext():
         sailed = load_boat(boat or asked.boat)
-    flight = fly(sailed, asked, path, even_if_empty)
+    with progress(LOG):
+        flight = fly(sailed, asked, path, even_if_empty)
     for line in lines(flight):
         typer.echo(line)
     if out is not None:

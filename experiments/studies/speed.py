@@ -12,6 +12,19 @@ from numpy.typing import NDArray
 from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 
+MEANING = {
+    "pendulum_steps_per_s": "steps of Pendulum-v1 in a second",
+    "single_steps_per_s": "steps of one boat in a second",
+    "single_over_pendulum": "one boat over Pendulum-v1",
+    "single_severe_over_pendulum": "one boat in level severe over Pendulum-v1",
+    "batch_boats": "boats of a batch, all forces on",
+    "batch_boat_steps_per_s": "steps of all boats of the batch in a second",
+    "batch_over_pendulum": "the batch over Pendulum-v1",
+    "reservoir_decision_us": "a decision of a reservoir, microseconds",
+    "reservoir_decisions_over_pendulum_steps": "decisions of a reservoir over steps of Pendulum-v1",
+    "bytes_per_boat": "memory of a boat of the batch, bytes",
+}
+"""What the results are, by their keys."""
 BATCH = 4096
 ROUNDS = 7
 """Every figure is the median of this many turns; the turns of all of them alternate, so that a slow moment of

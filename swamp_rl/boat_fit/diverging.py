@@ -17,15 +17,30 @@ def diverging(dataset: Path, what: str, numbers: Sequence[Fitted], run_set: RunS
     """The refusal of numbers fitted to runs of a dataset: how the motion diverges, the numbers farthest from
     the start file, the commands that stay below their limits, and what to do.
     """
-    farthest = sorted(numbers, key=lambda one: one.distance, reverse=True)[:FARTHEST]
-    named = ", ".join(f"{one.number.name} {one.number.start:.3g} to {one.value:.3g}" for one in farthest)
     below = [f"{name} {share:.2g}" for name, share in reached(run_set).items() if share < NEARLY]
     reach = f"; the runs reach of the limits of commands: {', '.join(below)}" if below else ""
     return (
-        f"{dataset}: the fitted numbers are of no boat: {what}; farthest from the start file: {named}{reach}"
-        "; check the units of the runs' commands and the limits in the start file, or give these numbers a "
-        "smaller `sd` there"
+        f"{_of_no_boat(dataset, what, numbers)}{reach}; check the units of the runs' commands and the limits "
+        "in the start file, or give these numbers a smaller `sd` there"
     )
+
+
+def implausible_fit(dataset: Path, fault: str, numbers: Sequence[Fitted]) -> str:
+    """The refusal of numbers fitted to runs of a dataset that no boat file may hold: the fault, the numbers
+    farthest from the start file, and what to do.
+    """
+    return (
+        f"{_of_no_boat(dataset, fault, numbers)}; correct them in the start file, give them a smaller `sd` "
+        "there, or record runs with more turns and speeds"
+    )
+
+
+def _of_no_boat(dataset: Path, what: str, numbers: Sequence[Fitted]) -> str:
+    """The fault, and the numbers farthest from the start file in its standard deviations."""
+    some = sorted(numbers, key=lambda one: one.distance, reverse=True)[:FARTHEST]
+    named = (f"{one.number.name} {one.number.start:.3g} to {one.value:.3g}" for one in some)
+    fault = f"{dataset}: the fitted numbers are of no boat: {what}"
+    return f"{fault}; farthest from the start file: {', '.join(named)}"
 
 
 def reached(run_set: RunSet) -> dict[str, float]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
-from swamp_rl.boat_fit.diverging import diverging
+from swamp_rl.boat_fit.diverging import diverging, implausible_fit
 from swamp_rl.boat_fit.fit import SHORT, BoatFit, long_fit, short_fit, window_length
 from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
 from swamp_rl.boat_fit.pieces import Split, split
@@ -201,9 +201,7 @@ def _written(
         made = load_boat(part)
     except UserError as error:
         fault = str(error).splitlines()[0].removeprefix(f"{part}: ")
-        raise UserError(
-            f"{dataset}: the fitted numbers are of no boat: {fault}; check the start file"
-        ) from error
+        raise UserError(implausible_fit(dataset, fault, numbers)) from error
     parameters(made)
     return made
 

@@ -1,5 +1,6 @@
 """A mission flown in simulation: its track, and power, current and charge of each battery pack."""
 
+import logging
 import math
 from dataclasses import dataclass
 
@@ -23,7 +24,9 @@ from swamp_rl.simulator.state import ACTUATORS, NORTH, SURGE, SWAY
 
 Array = NDArray[np.float64]
 
+LOG = logging.getLogger(__name__)
 STEP = 0.5  # s between two decisions
+TOLD = 600  # steps between two lines of progress
 CHECKED = 2  # steps between two looks at the batteries
 PATIENCE, TURNING = (
     3.0,
@@ -154,7 +157,7 @@ def _flown(
     """
     pilot, load = MissionPilot(boat, mission), Load(boat, battery, mission.charge, least)
     params = parameters(boat)
-    gain, legs, short = params["thruster_gain"].copy(), [], [False]
+    gain, legs, short = params["thruster_gain"].copy(), list[int](), [False]
     deep, ground = depths(boat, mission), list[Aground]()
     params["thruster_gain"] = gain * load.left
 
@@ -173,6 +176,8 @@ def _flown(
             if rest:
                 load.take(states[-rest:])
             return commands, True
+        if len(legs) % TOLD == 0:
+            LOG.debug("leg %d of %d, %.0f s sailed", pilot.leg + 1, len(mission.legs), seen.time)
         legs.append(pilot.leg)
         spent = seen.time - pilot.begun
         if spent > PATIENCE * pilot.expected + TURNING:

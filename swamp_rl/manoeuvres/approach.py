@@ -64,10 +64,11 @@ def approached(trial: Trial, manoeuvre: Controller, area: Area, length: float, l
         memory = _watched(phase.memory, sensed, speed, offset(place, route[1], route[3]).across, sailed)
         arrived = min(memory[-1], sensed.time) if leg == 3 else math.inf
         phase = phase._replace(number=leg, memory=(*memory[:-1], arrived))
-        steady = sensed.time - max(memory[2], memory[5]) >= HOLD * sailed
+        changed = {"speed or yaw rate": memory[2], "distance to its line": memory[5]}
+        unsteady = [what for what, since in changed.items() if sensed.time - since < HOLD * sailed]
         late = sensed.time - arrived > EXTRA * longest or sensed.time - phase.began > longest
-        if (leg == 3 and steady) or late:
-            phase = _noted(phase, trial, speed, leg, steady)._replace(heading=sensed.heading)
+        if (leg == 3 and not unsteady) or late:
+            phase = _noted(phase, trial, speed, leg, unsteady)._replace(heading=sensed.heading)
             return manoeuvre(sensed, phase.then(EXECUTE, sensed.time))
         last = min(leg, 2)
         course = line_of_sight(place, route[last], route[last + 1], LOOKAHEAD * length)
@@ -94,7 +95,7 @@ def _watched(
     return (*pace, *aside, memory[6])
 
 
-def _noted(phase: Phase, trial: Trial, speed: float, leg: int, steady: bool) -> Phase:
+def _noted(phase: Phase, trial: Trial, speed: float, leg: int, unsteady: list[str]) -> Phase:
     if leg < 3:
         return phase.noted(
             f"the approach reached waypoint {leg} of 3 only, at {speed:.2f} m/s: executed from there"
@@ -102,6 +103,7 @@ def _noted(phase: Phase, trial: Trial, speed: float, leg: int, steady: bool) -> 
     asked = trial.start_speed
     if asked is not None and abs(speed - asked) > START_TOLERANCE * asked:
         phase = phase.noted(f"start speed {asked:.2f} m/s was not reached, it began at {speed:.2f} m/s")
-    if not steady:
-        phase = phase.noted(f"speed or heading was not steady at the start ({speed:.2f} m/s)")
+    if unsteady:
+        what = ", ".join(unsteady)
+        phase = phase.noted(f"not steady yet when it began, at {speed:.2f} m/s: {what}")
     return phase

@@ -10,6 +10,7 @@ import pytest
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit import identify
 from swamp_rl.boat_fit.boat_file import Fitted
+from swamp_rl.boat_fit.diverging import implausible_fit
 from swamp_rl.boat_fit.fit import (
     fit_boat,
     fit_windows,
@@ -375,3 +376,11 @@ def test_fitted_numbers_whose_boat_diverges_are_named_with_what_the_commands_rea
     assert "its motion diverges" in line and "farthest from the start file: hull.n_r" in line
     assert "the runs reach of the limits of commands: throttle_port 0.4" in line
     assert not list(tmp_path.glob("new*"))
+
+
+def test_fitted_numbers_that_no_boat_file_holds_are_named_with_what_to_do(tmp_path: Path) -> None:
+    boat = load_boat(written(tmp_path, "twin"))
+    far = [Fitted(one, one.mean + 9.0 * one.sd * (one.name == "x_g"), one.sd) for one in free_numbers(boat)]
+    line = implausible_fit(Path("runs"), "x_g: is implausible", far)
+    assert line.startswith("runs: the fitted numbers are of no boat: x_g: is implausible; farthest from")
+    assert "start file: x_g 0 to " in line and "smaller `sd`" in line

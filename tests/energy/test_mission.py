@@ -186,3 +186,11 @@ def test_a_malformed_mission_is_refused_by_its_key(tmp_path: Path, text: str, me
         load_mission(path)
     assert message in str(refused.value)
     assert "mine.yaml" in str(refused.value)
+
+
+def test_a_mission_tells_its_leg_and_time_as_it_goes(swamp: Boat, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level("DEBUG", "swamp_rl.energy.fly")
+    legs = [{"speed": 1.0, "duration_s": 400.0}, {"speed": 0.8, "duration_s": 300.0}]
+    fly(swamp, mission(legs=legs), "mine.yaml")
+    told = [f"leg {leg} of 2, {time} s sailed" for leg, time in ((1, 0), (1, 300), (2, 600))]
+    assert caplog.messages == told

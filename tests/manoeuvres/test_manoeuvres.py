@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.estimate import annotated, boat_file
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
@@ -286,3 +287,10 @@ def test_a_straight_run_astern_has_the_throttle_that_was_ordered() -> None:
     ship = load_boat("esso_osaka")
     run = run_of_trial(execute(ship, [Trial("straight", 0.5, astern=True, duration=5.0)])[0], ship, "r", 0)
     assert analyse_run(run, ship).figures["throttle"].value == pytest.approx(0.5)
+
+
+def test_a_trial_that_begins_before_its_approach_is_over_says_what_still_changes(tmp_path: Path) -> None:
+    path = tmp_path / "launch.yaml"
+    path.write_text(annotated(boat_file("launch", "propeller-rudder", 4.0, 1.6, 600.0, 600.0), "A launch."))
+    executed = execute(load_boat(path), [Trial("straight", 0.2, duration=5.0)])[0]
+    assert executed.notes == ("not steady yet when it began, at 0.49 m/s: distance to its line",)

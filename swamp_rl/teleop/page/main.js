@@ -87,6 +87,7 @@ function stand(message) {
   else if (!status.seat_taken && before.driving === undefined && sessionStorage.getItem("driver")) act("seat");
   by("counter").textContent = `${status.count} run${status.count === 1 ? "" : "s"}`;
   by("boat").value = status.boat;
+  if (scene) document.title = `${status.boat}, ${scene.course.name}`;
   by("level").value = status.level;
   if (status.pilot) by("pilot").value = status.pilot;
   const lines = message.watch.map((line) => Object.assign(document.createElement("li"), { textContent: line, className: /^\d/.test(line) ? "news" : "" }));

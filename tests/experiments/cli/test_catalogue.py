@@ -71,6 +71,16 @@ def test_a_course_is_reported_in_degrees_and_metres(call: Call) -> None:
     assert "  gate red: north 22, east 8 m, width 4 m, passed towards 0 deg" in shown
 
 
+def test_a_scaled_course_is_reported_to_a_centimetre_and_a_tenth(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "pond.yaml").write_text(
+        "extends: camogli\nscale: 0.7\nstart:\n  pose: {north: 0.0, east: 0.123456, heading: 0.8}\n"
+        "  spread: {north: 1.0, east: 1.0, heading: 0.1}\n"
+    )
+    shown = lines(call, "courses", "pond.yaml")
+    assert shown[0] == "pond: 2 gates, time limit 100.4 s"
+    assert "  start: north 0, east 0.12 m, 45.8 deg" in shown
+
+
 def test_every_kind_of_pilot_tells_its_options_with_default_and_bounds(call: Call) -> None:
     kinds = [line.split()[0] for line in lines(call, "pilots")]
     assert {"scripted", "reservoir", "cloning", "ppo", "sb3", "onnx"} <= set(kinds)
