@@ -36,11 +36,17 @@ def new(
     draught: Annotated[
         float | None, typer.Option(help="Draught of the hull (m); estimated by default.")
     ] = None,
+    fin: Annotated[
+        float | None,
+        typer.Option(help="Lateral area of skeg, fin or lower unit at the stern (m2); none by default."),
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="The file to write, NAME.yaml by default.")] = None,
 ) -> None:
     """Write an annotated boat file whose other numbers are estimated by published formulas."""
     import re
     import shlex
+
+    from swamp_rl.experiments.reports.boat_check import turning_warning
 
     from swamp_rl.boat import load_boat
     from swamp_rl.boat.estimate import annotated, boat_file, of_sizes
@@ -56,7 +62,7 @@ def new(
     refuse_suffix("--out", path, ".yaml", ".yml")
     if path.exists():
         raise UserError(f"{path}: already exists; name another, or remove it")
-    content = boat_file(name, kind, length, breadth, mass, thrust, top_speed, draught)
+    content = boat_file(name, kind, length, breadth, mass, thrust, top_speed, draught, fin)
     with write_beside(path) as part:
         part.write_text(annotated(content, HEAD.format(name=name, kind=kind)), encoding="utf-8")
         try:
@@ -65,6 +71,12 @@ def new(
             raise UserError(of_sizes(str(error).splitlines()[0].removeprefix(f"{part}: "))) from error
     draught, quoted = content["draught"]["value"], shlex.quote(str(path))
     typer.echo(f"{path}: {kind}, draught {draught:.3g} m; check it with: swamp-rl boat check {quoted}")
+    try:
+        warning = turning_warning(load_boat(path))
+    except UserError as error:
+        warning = str(error).splitlines()[0]
+    if warning:
+        typer.echo(f"{path}: warning: {warning}")
 
 
 @boat_app.command()

@@ -16,6 +16,7 @@ from swamp_rl.constants import GRAVITY
 from swamp_rl.digits import digits
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
+from swamp_rl.manoeuvres.analysis.circle import extraordinary
 from swamp_rl.manoeuvres.analysis.figure import Result
 from swamp_rl.manoeuvres.controller import Trial
 from swamp_rl.manoeuvres.execute import execute
@@ -47,6 +48,22 @@ def sail(boat: Boat) -> list[Result]:
     except UserError:
         pass  # no stopping trial: the report then has none
     return [analyse_run(run, boat) for run in runs_of_trials(execute(boat, trials), boat, 0)]
+
+
+def turning_warning(boat: Boat) -> str | None:
+    """A line where the circle of an estimated boat, full ahead to starboard, is outside what boats under way
+    do, None where it is not. UserError as of `sail`.
+    """
+    angle = min(STEEREST, steering_limit(boat))
+    trial = Trial("turning-circle", 1.0, angle, turns=TURNS, duration=1.0)
+    result = analyse_run(runs_of_trials(execute(boat, [trial]), boat, 0)[0], boat)
+    if not result.corrected or not (found := extraordinary(result.corrected, boat.length, angle)):
+        return None
+    told = found[0].partition("; check")[0]
+    return (
+        f"full ahead at {math.degrees(angle):+.0f} deg: {told}; give the lateral area of its skeg, fin or "
+        "lower unit with --fin"
+    )
 
 
 def check_lines(boat: Boat, results: Sequence[Result]) -> list[str]:

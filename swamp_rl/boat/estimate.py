@@ -15,7 +15,14 @@ from swamp_rl.boat.estimate_drive import (
     speed_of_thrust,
     thrusters_of,
 )
-from swamp_rl.boat.estimate_hull import BLOCK, GYRATION, added_masses, draught_of, hull_derivatives
+from swamp_rl.boat.estimate_hull import (
+    BLOCK,
+    GYRATION,
+    added_masses,
+    draught_of,
+    fin_derivatives,
+    hull_derivatives,
+)
 from swamp_rl.boat.merge import is_quantity
 from swamp_rl.boat.plausible import implausible_sizes
 from swamp_rl.boat.propeller_rudder import Propeller, PropellerRudder, Rudder
@@ -33,6 +40,7 @@ DENSITY = 1025.0  # kg/m3, the sea
 GIVEN = "given to swamp-rl boat new"
 RANGE = 1e-4, 1e10
 """SI, of each size that is given: beyond it the estimates leave the range of numbers."""
+LARGEST_FIN = 0.5  # of length times draught
 DIGITS = 4  # of what is written
 MODELS: dict[str, type[BaseModel]] = {
     "hull": Hull,
@@ -82,15 +90,17 @@ def boat_file(
     thrust: float,
     top_speed: float | None = None,
     draught: float | None = None,
+    fin: float | None = None,
 ) -> dict[str, Any]:
     """The content of a boat file, each number `assumed`, with its source and the width `sd` of its prior.
 
     kind: one of KINDS; length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full
-    ahead at rest; top_speed [m/s]: what it gives. UserError for a number beyond RANGE, for a top speed beyond
+    ahead at rest; top_speed [m/s]: what it gives; fin [m²]: lateral area of skeg, fin or lower unit at the
+    stern, none by default. UserError for a number beyond RANGE, for a top speed beyond
     the Froude number that the simulator holds for, and for dimensions and a mass that no boat has.
     """
     asked: dict[str, float | None] = {"length": length, "breadth": breadth, "mass": mass}
-    asked |= {"thrust": thrust} | {"top-speed": top_speed, "draught": draught}
+    asked |= {"thrust": thrust} | {"top-speed": top_speed, "draught": draught, "fin": fin}
     for word, value in asked.items():
         if value is not None and not RANGE[0] <= value <= RANGE[1]:
             raise UserError(
@@ -105,6 +115,11 @@ def boat_file(
     if kind not in KINDS:
         raise UserError(f"--kind {kind}: must be one of {', '.join(KINDS)}")
     sizes = _sizes(kind, length, breadth, mass, thrust, top_speed, draught)
+    if fin is not None and fin > LARGEST_FIN * length * sizes.draught:
+        raise UserError(
+            f"--fin {fin:g}: is more than {LARGEST_FIN:g} of the hull's own lateral area, "
+            f"{length * sizes.draught:.3g} m2; correct it"
+        )
     if faults := implausible_sizes(sizes):
         raise UserError(of_sizes(": ".join(faults[0])))
     source = "given" if top_speed is not None else "where R = 0.9 m g Fn³, SWAMP's tank"
@@ -112,7 +127,7 @@ def boat_file(
     return {
         "name": name,
         **_particulars(sizes, draught is None),
-        "hull": _hull(sizes),
+        "hull": _hull(sizes, fin),
         "resistance": resistance_section(kind, sizes, source),
         "thrusters": thrusters,
         "wind": default_wind(length, breadth),
@@ -163,9 +178,13 @@ def _particulars(sizes: Sizes, floats: bool) -> dict[str, Any]:
     }
 
 
-def _hull(sizes: Sizes) -> dict[str, Any]:
+def _hull(sizes: Sizes, fin: float | None) -> dict[str, Any]:
     found = hull_derivatives(sizes.length, sizes.breadth, sizes.draught, sizes.block)
-    hull = {name: assumed(value, "1", SOURCES[name], SPREADS[name]) for name, value in found.items()}
+    added = {} if fin is None else fin_derivatives(fin, sizes.length, sizes.draught)
+    hull = {}
+    for name, value in found.items():
+        source = SOURCES[name] + (f"; a fin of {fin:g} m2 aft, Fujii 1961" if name in added else "")
+        hull[name] = assumed(value + added.get(name, 0.0), "1", source, SPREADS[name])
     return hull | {"spacing": assumed(0.0, "m", "one hull, or two taken as one", 0.1 * sizes.breadth)}
 
 

@@ -2,7 +2,7 @@
 
 Sources: Lamb, *Hydrodynamics* (6th ed. 1932), articles 114 and 115; Kijima et al. (1990); Yoshimura and
 Masumoto (2012), whose database ends at L/B = 2.6; Hoerner, *Fluid-Dynamic Drag* (1965), as in
-Fossen (2011).
+Fossen (2011); Fujii and Tsuda (1961), the lift of a rudder, as in `swamp_rl.physics.rudder`.
 """
 
 import math
@@ -10,6 +10,8 @@ import math
 import numpy as np
 from scipy.special import elliprd
 
+FIN_ASPECT = 1.5  # span over chord of a skeg, a fin or a lower unit, ours, as of the rudder
+FIN_AT = -0.5  # of the length forward of midship: the stern
 BLOCK = 0.5  # C_B of small craft, 0.35 to 0.65
 GYRATION = 0.25  # radius of gyration in yaw over the length
 LOWEST, FULLEST = 0.07, 0.25  # C_B B/L at the ends of the database of Yoshimura and Masumoto
@@ -80,6 +82,16 @@ def hull_derivatives(length: float, breadth: float, draught: float, block: float
         "c_ry": 1.0,
         "c_rn": 1.0,
     }
+
+
+def fin_derivatives(area: float, length: float, draught: float) -> dict[str, float]:
+    """What a fin of that lateral area [m²] at the stern adds to coefficients of `hull` [1] under way ahead.
+
+    It meets the flow at (v + x r)/u, x = −L/2, and lifts Y = −½ρ A f (v + x r) u with Fujii's slope
+    f = 6.13 Λ/(2.25 + Λ): on ½ρLd, a = f A/(Ld), Y'_v = −a, Y'_r = N'_v = a/2, N'_r = −a/4.
+    """
+    lift = 6.13 * FIN_ASPECT / (2.25 + FIN_ASPECT) * area / (length * draught)
+    return {"y_v": -lift, "y_r": -lift * FIN_AT, "n_v": -lift * FIN_AT, "n_r": -lift * FIN_AT**2}
 
 
 def cross_flow_drag(breadth: float, draught: float) -> float:

@@ -34,7 +34,7 @@ def test_a_new_boat_is_written_under_its_name_and_checked(call: Call, kind: str)
 
 def test_the_command_that_checks_a_new_boat_can_be_pasted(call: Call) -> None:
     _, message, _ = call("boat", "new", "skiff", "--kind", "outboard", *SIZES, "--out", "my skiff.yaml")
-    words = shlex.split(message.partition("check it with: ")[2])
+    words = shlex.split(message.splitlines()[0].partition("check it with: ")[2])
     assert words == ["swamp-rl", "boat", "check", "my skiff.yaml"]
 
 
