@@ -240,35 +240,12 @@ def test_latitude_and_longitude_become_north_and_east_of_the_first_place(tmp_pat
         import_runs([path], "csv", tmp_path / "new", None, wishes)
 
 
-@pytest.mark.parametrize("twin", ["log.csv", "LOG.csv"])  # one file, where a file system folds cases
-def test_files_of_one_name_in_a_folder_and_an_out_that_is_there_are_refused(
-    twin: str, tmp_path: Path
-) -> None:
-    for folder in "ab":
-        (tmp_path / "in" / folder).mkdir(parents=True)
-    paths = [write_csv(tmp_path / "in" / name, foreign()) for name in ("a/log.csv", f"b/{twin}")]
-    for sources in ([tmp_path / "in"], [paths[0], paths[0]]):
-        with pytest.raises(UserError, match="same name"):
-            import_runs(sources, "csv", tmp_path / "out", None, WISHES)
+def test_an_out_that_is_there_and_what_is_no_source_are_refused(tmp_path: Path) -> None:
     (tmp_path / "b").mkdir()
     with pytest.raises(UserError, match="already exists"):
-        import_runs(paths[:1], "csv", tmp_path / "b", None, WISHES)
+        import_runs([write_csv(tmp_path / "log.csv", foreign())], "csv", tmp_path / "b", None, WISHES)
     refused(tmp_path, tmp_path / "b", "parquet", "nor a folder in it has .parquet")
     refused(tmp_path, tmp_path / "nowhere", "csv", "no such file or folder")
-
-
-@pytest.mark.parametrize("twin", ["log.csv", "LOG.csv"])
-def test_files_of_one_name_in_several_sources_have_the_names_of_their_folders(
-    twin: str, tmp_path: Path
-) -> None:
-    for folder in ("day 1", "day 2"):
-        (tmp_path / folder).mkdir()
-    paths = [write_csv(tmp_path / name, foreign()) for name in ("day 1/log.csv", f"day 2/{twin}")]
-    expected = ["day 1-log", f"day 2-{Path(twin).stem}"]
-    for sources in (paths, [path.parent for path in paths]):
-        out = tmp_path / f"of {sources[0].stem}"
-        import_runs(sources, "csv", out, None, WISHES)
-        assert [run.name for run in read_dataset(out).runs] == expected
 
 
 def write_messages(path: Path, topics: dict[str, list[object]], encoding: str = "json") -> Path:
