@@ -32,9 +32,13 @@ def fleet(
     def tell(name: str, message: str) -> None:
         typer.echo(f"{name}: {message}")
 
+    def tell_kept(kept: int, again: int) -> None:
+        if kept or again:
+            typer.echo(_kept(kept, again, len(dataset)))
+
     days = Counter(member.boat for member in members_of(dataset, boat))
     typer.echo(f"diagnosing {counted(len(dataset), 'dataset')} of {_boats(days)}")
-    found = diagnose_fleet(dataset, out, boat, ignore or [], workers, ray, tell)
+    found = diagnose_fleet(dataset, out, boat, ignore or [], workers, ray, tell, tell_kept=tell_kept)
     for shared in found.shared:
         typer.echo(f"  {len(shared.boats)} boats share {shared.cause}: {', '.join(shared.boats)}")
     for drift in found.drifts:
@@ -48,6 +52,14 @@ def fleet(
     )
     if failed == len(found.members):
         raise typer.Exit(1)
+
+
+def _kept(kept: int, again: int, of: int) -> str:
+    """How many diagnoses an earlier command left, and how many of those are made again."""
+    sentence = f"  already diagnosed: {kept} of {of}"
+    if again:
+        sentence += f"; made again, as the dataset, the boat, --ignore or the version changed: {again}"
+    return sentence
 
 
 def _boats(days: Mapping[str, int]) -> str:

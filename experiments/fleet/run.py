@@ -12,11 +12,18 @@ from typing import Any
 from swamp_rl.experiments.fleet.report import page
 from swamp_rl.experiments.fleet.result import Fleet, Member
 from swamp_rl.experiments.fleet.significance import RATE, changes_of, findings_of, label, shared_causes
-from swamp_rl.experiments.fleet.work import INPUT, RESULT, diagnose_one, input_of, is_done, read_diagnosis
+from swamp_rl.experiments.fleet.work import (
+    INPUT,
+    RESULT,
+    diagnose_one,
+    input_of,
+    is_done,
+    numbers_of,
+    read_diagnosis,
+)
 
 from swamp_rl import __version__
 from swamp_rl.boat import load_boat
-from swamp_rl.boat.digest import boat_digest
 from swamp_rl.clipped import clipped
 from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.result import Diagnosis
@@ -33,6 +40,8 @@ FLEET, REPORT = "fleet.json", "fleet.html"
 RETRIES = 2  # of a dataset whose process was lost
 Tell = Callable[[str, str], None]
 """Hears each dataset's name and what came of it."""
+TellKept = Callable[[int, int], None]
+"""Hears how many diagnoses are kept, and how many are made again as something that they depend on changed."""
 
 
 def diagnose_fleet(
@@ -44,19 +53,21 @@ def diagnose_fleet(
     ray: str | None = None,
     tell: Tell = lambda name, message: None,
     pool: Pool | None = None,
+    tell_kept: TellKept = lambda kept, again: None,
 ) -> Fleet:
     """Diagnose every dataset into a folder of its own in `out`, and write fleet.json and fleet.html there.
 
-    What an earlier life has finished is kept where the dataset, the boat and the version are the same; what
-    it has begun is removed. boat: what all are compared with, by default each dataset's own. workers:
-    processes, by default one for each processor; ray: the address of a cluster in their place. A dataset that
-    cannot be diagnosed has its line in the report. UserError for a dataset that is no folder, for an
-    `out` that is none of a fleet, for a `boat` that is none and an unknown name in `ignore`.
+    What an earlier life has finished is kept where the dataset, the boat and the version are the same, and
+    otherwise until its own replacement is whole; what it has begun is removed. boat: what all are compared
+    with, by default each dataset's own. workers: processes, by default one for each processor; ray: the
+    address of a cluster in their place. A dataset that cannot be diagnosed has its line in the report.
+    UserError for a dataset that is no folder, for an `out` that is none of a fleet, for a `boat` that is none
+    and an unknown name in `ignore`.
     """
     out, given = Path(out), [Path(one) for one in datasets]
     members = members_of(given, boat)
     refuse_unknown(ignore)
-    numbers = "" if boat is None else boat_digest(load_boat(boat))  # a wrong name is one fault, not many
+    numbers = "" if boat is None else numbers_of(load_boat(boat))  # a wrong name is one fault, not many
     refuse_sources_inside(out, given)
     for dataset in given:
         if out.resolve().is_relative_to(dataset.resolve()):
@@ -64,6 +75,8 @@ def diagnose_fleet(
     with locked(out):
         _refuse_other_folder(out)
         jobs, wrong = _jobs(members, out, boat, numbers, ignore)
+        again = sum((out / name / RESULT).is_file() for name in jobs)
+        tell_kept(len(members) - len(jobs) - len(wrong), again)
         try:
             with ExitStack() as pools:
                 if jobs and pool is None:  # a cluster that does not answer then leaves no folder
@@ -148,12 +161,15 @@ def _refuse_other_folder(out: Path) -> None:
 def _jobs(
     members: Sequence[Member], out: Path, boat: str | None, numbers: str, ignore: Sequence[str]
 ) -> tuple[dict[str, str], dict[str, str]]:
-    """By name, the jobs that are still to be done, and the faults of datasets that cannot even be read."""
+    """By name, the jobs that are still to be done, and the faults of datasets that cannot even be read.
+
+    A finished diagnosis is left to its job, which replaces it; a folder that has none is removed.
+    """
     jobs, wrong = {}, {}
     for member in members:
         dataset, folder = Path(member.dataset), out / member.name
         try:
-            note = input_of(dataset, boat, numbers, list(ignore), __version__)
+            note = input_of(dataset, numbers, list(ignore), __version__)
         except (UserError, OSError) as error:
             wrong[member.name] = " ".join(str(error).split())
             continue
@@ -164,7 +180,8 @@ def _jobs(
         except UserError as error:
             wrong[member.name] = str(error)
             continue
-        shutil.rmtree(folder, ignore_errors=True)
+        if not (folder / RESULT).is_file():
+            shutil.rmtree(folder, ignore_errors=True)
         job = {"dataset": str(dataset.absolute()), "boat": boat, "out": str(folder.absolute())}
         jobs[member.name] = json.dumps({**job, "ignore": list(ignore), "input": note})
     return jobs, wrong

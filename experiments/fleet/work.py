@@ -5,6 +5,8 @@ import json
 import os
 from pathlib import Path
 
+from swamp_rl.boat import Boat
+from swamp_rl.boat.digest import boat_digest
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
 from swamp_rl.files import os_error
@@ -35,11 +37,9 @@ def diagnose_one(job: str) -> str:
     return json.dumps({"verdict": found.verdict, "seconds": found.elapsed_s})
 
 
-def input_of(
-    dataset: Path, boat: str | None, numbers: str, ignore: list[str], version: str
-) -> dict[str, object]:
-    """All that a diagnosis depends on: the boat, None for the dataset's own, what is ignored, and the digest
-    of the dataset's files and of the boat's `numbers` (`boat_digest`, empty for the dataset's own).
+def input_of(dataset: Path, numbers: str, ignore: list[str], version: str) -> dict[str, object]:
+    """All that a diagnosis depends on: what is ignored, and the digest of the dataset's files and of the
+    boat's `numbers` (`numbers_of`, empty for the dataset's own).
     """
     digest = hashlib.sha256()
     files = [path for path in sorted(dataset.iterdir()) if _is_source(path) and path.is_file()]
@@ -47,7 +47,17 @@ def input_of(
         digest.update(os.fsencode(path.name) + b"\0")
         digest.update(hashlib.sha256(contents(path)).digest())
     digest.update(numbers.encode())
-    return {"boat": boat, "ignore": sorted(ignore), "files": digest.hexdigest(), "swamp_rl": version}
+    return {"ignore": sorted(ignore), "files": digest.hexdigest(), "swamp_rl": version}
+
+
+def numbers_of(boat: Boat) -> str:
+    """Digest of all that a diagnosis takes from a boat: its numbers, and their covariance where it has one.
+
+    The same for any spelling of the file's path.
+    """
+    if boat.covariance is None:
+        return boat_digest(boat)
+    return boat_digest(boat) + hashlib.sha256(boat.covariance.model_dump_json().encode()).hexdigest()
 
 
 def _is_source(path: Path) -> bool:

@@ -4,6 +4,7 @@ python -m tests.support.fleets OUT DATASET...
 """
 
 import json
+import shutil
 import sys
 import time
 from pathlib import Path
@@ -43,6 +44,7 @@ def pretend(job: str) -> str:
     if "error" in data:
         return json.dumps(data)
     found = diagnosis(*(cause(**one) for one in data["causes"]), elapsed_s=time.perf_counter())
+    shutil.rmtree(out, ignore_errors=True)  # `diagnose` replaces a whole folder by a whole folder
     out.mkdir()
     (out / RESULT).write_text(found.model_dump_json())
     time.sleep(data.get("seconds", 0.0))

@@ -1,10 +1,13 @@
 """`swamp-rl fleet`: how it ends where no dataset could be diagnosed."""
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 
 from tests.support.command_line import Call, assert_complains
+from tests.support.fleets import datasets, pretend
+from tests.support.sweep_pools import PoolHere
 
 
 def test_a_fleet_of_which_none_is_diagnosed_ends_with_1_and_keeps_its_report(call: Call) -> None:
@@ -54,3 +57,17 @@ def test_a_fleet_with_an_unknown_boat_is_refused_before_anything_is_written(call
     assert code == 2
     assert message.count("no boat file named 'swampy'") == 1
     assert not Path("out").exists()
+
+
+def test_a_resumed_fleet_says_how_many_are_already_diagnosed(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = [str(path) for path in datasets(Path("in"), {"red": {"causes": []}, "blue": {"causes": []}})]
+    monkeypatch.setattr(
+        "swamp_rl.experiments.fleet.run.open_pool", lambda *asked: nullcontext(PoolHere(pretend, 1, 0))
+    )
+    assert "already diagnosed" not in call("fleet", *given, "--out", "out")[1]
+    assert "  already diagnosed: 2 of 2\n" in call("fleet", *given, "--out", "out")[1]
+    Path("in/red/run.csv").write_text("another run")
+    changed = "made again, as the dataset, the boat, --ignore or the version changed: 1"
+    assert f"  already diagnosed: 1 of 2; {changed}\n" in call("fleet", *given, "--out", "out")[1]
