@@ -1,14 +1,13 @@
 """`swamp-rl fleet`: each dataset diagnosed once and kept, whatever is killed meanwhile, and then a report."""
 
 import json
-import os
 import shutil
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from swamp_rl.experiments.fleet.members import members_of
 from swamp_rl.experiments.fleet.report import page
 from swamp_rl.experiments.fleet.result import Fleet, Member
 from swamp_rl.experiments.fleet.significance import RATE, changes_of, findings_of, label, shared_causes
@@ -24,14 +23,11 @@ from swamp_rl.experiments.fleet.work import (
 
 from swamp_rl import __version__
 from swamp_rl.boat import load_boat
-from swamp_rl.clipped import clipped
 from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
 from swamp_rl.files import UNFINISHED, write_text
-from swamp_rl.names import plain_name
 from swamp_rl.replacement import refuse_to_replace
-from swamp_rl.runs.dataset import read_meta
 from swamp_rl.simulator.weather import refuse_unknown
 from swamp_rl.unfinished import locked, remove_dead
 from swamp_rl.workers import Pool, completed, open_pool
@@ -92,57 +88,6 @@ def diagnose_fleet(
         write_text(out / FLEET, fleet.model_dump_json(indent=2) + "\n")
         write_text(out / REPORT, page(fleet))
     return fleet
-
-
-def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member]:
-    """The datasets sorted by name. Where they lie in several folders, a folder is a boat and its datasets are
-    that boat's days, a boat for each vehicle that they name unless `boat` is given; where all lie in one
-    folder, each is a boat of its own. UserError for one that is no folder or is given twice.
-    """
-    whole = [Path(os.path.abspath(one)) for one in datasets]
-    for path, times in Counter(whole).items():
-        if times > 1:
-            raise UserError(f"{path}: is given {times} times; name each dataset once")
-    several = len({path.parent for path in whole}) > 1
-    found = []
-    for path, one in zip(whole, datasets, strict=True):
-        own = path.parent.name if several else path.name
-        try:
-            name = plain_name(f"{own}_{path.name}" if several else path.name)
-        except ValueError as error:
-            raise UserError(f"{clipped(one, 200)}: names no folder of a fleet, {error}; rename it") from error
-        found.append(Member(name=name, boat=own, dataset=str(one), boat_file=boat))
-    for name, times in Counter(member.name.lower() for member in found).items():
-        if times > 1:
-            raise UserError(f"{name}: {times} datasets would have this name; rename their folders")
-    for one in datasets:
-        if not one.is_dir():
-            raise UserError(f"{clipped(one, 200)}: no such folder; name folders that hold a dataset.yaml")
-    if several and boat is None:
-        found = _by_vehicle(found)
-    return sorted(found, key=lambda one: one.name)
-
-
-def _by_vehicle(members: Sequence[Member]) -> list[Member]:
-    """The same, FOLDER/VEHICLE the boat where the datasets of a folder name several vehicles."""
-    vehicles = {member.name: _vehicle(Path(member.dataset)) for member in members}
-    named: dict[str, set[str]] = {}
-    for member in members:
-        named.setdefault(member.boat, set()).update(vehicles[member.name])
-    return [
-        member.model_copy(update={"boat": "/".join((member.boat, *vehicles[member.name]))})
-        if len(named[member.boat]) > 1
-        else member
-        for member in members
-    ]
-
-
-def _vehicle(dataset: Path) -> tuple[str, ...]:
-    """What a dataset names as its vehicle; empty where it cannot be read, which its diagnosis tells."""
-    try:
-        return (read_meta(dataset).vehicle,)
-    except (UserError, OSError):
-        return ()
 
 
 def _refuse_other_folder(out: Path) -> None:

@@ -1,5 +1,6 @@
 """The datasets of a fleet: which are days of one boat, and names that are none."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,29 @@ def test_a_boat_is_a_folder_where_datasets_lie_in_several(tmp_path: Path) -> Non
     assert [(one.name, one.boat) for one in several] == [("blue_may", "blue"), ("red_may", "red")]
     alone = members_of([tmp_path / "red", tmp_path / "blue"])
     assert [(one.name, one.boat) for one in alone] == [("blue", "blue"), ("red", "red")]
+
+
+def test_folders_of_the_same_name_are_boats_told_apart_by_more_of_their_paths(tmp_path: Path) -> None:
+    given = [tmp_path / name for name in ("Lot A/data/day 1", "Lot B/data/day 1", "Lot B/red/day 1")]
+    for dataset in given:
+        dataset.mkdir(parents=True)
+    assert [(one.name, one.boat) for one in members_of(given)] == [
+        ("Lot A_data_day 1", "Lot A/data"),
+        ("Lot B_data_day 1", "Lot B/data"),
+        ("red_day 1", "red"),
+    ]
+
+
+@pytest.mark.parametrize(
+    "names", [("Red", "red"), ("fast_red/may", "fast/red_may"), ("a/Red/may", "a/red/may")]
+)
+def test_two_datasets_that_would_have_one_folder_are_both_named(tmp_path: Path, names: Sequence[str]) -> None:
+    given = [tmp_path / name for name in names]
+    for dataset in given:
+        dataset.mkdir(parents=True)
+    with pytest.raises(UserError) as refused:
+        members_of(given)
+    assert str(refused.value).startswith(f"{given[0]} and {given[1]}: both would be named")
 
 
 def test_datasets_of_one_folder_that_name_other_vehicles_are_no_days_of_one_boat(tmp_path: Path) -> None:
