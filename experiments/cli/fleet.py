@@ -28,6 +28,7 @@ def fleet(
 ) -> None:
     """Diagnose many boats; the same command resumes an interrupted one."""
     from swamp_rl.experiments.fleet import diagnose_fleet, members_of
+    from swamp_rl.experiments.fleet.report import weather_sentence
 
     def tell(name: str, message: str) -> None:
         typer.echo(f"{name}: {message}")
@@ -44,6 +45,8 @@ def fleet(
     for drift in found.drifts:
         values = ", ".join(f"{name} {value:.3g}" for name, value in drift.values.items())
         typer.echo(f"  {drift.boat}: {drift.cause} {drift.parameter} differs [{drift.unit}]: {values}")
+    if found.weather:
+        typer.echo(f"  {weather_sentence(found)}")
     kept = sum(one.kept for one in found.findings)
     failed = sum(one.verdict is None for one in found.members)
     typer.echo(

@@ -37,7 +37,16 @@ def _p(value: float) -> str:
 
 def _shared(fleet: Fleet) -> str:
     rows = [(one.cause, str(len(one.boats)), ", ".join(one.boats)) for one in fleet.shared]
-    return "<h2>Causes that several boats have</h2>" + table(("cause", "boats", "names"), rows, numbers=(1,))
+    parts = "<h2>Causes that several boats have</h2>" + table(("cause", "boats", "names"), rows, numbers=(1,))
+    if fleet.weather:
+        parts += f'<p class="soft">{html.escape(weather_sentence(fleet))}</p>'
+    return parts
+
+
+def weather_sentence(fleet: Fleet) -> str:
+    """The weather of the runs, which is no cause of a boat's."""
+    listed = (f"{one.cause.replace('_', ' ')} ({', '.join(one.boats)})" for one in fleet.weather)
+    return f"Weather, which is not the boats' and is left out here: {'; '.join(listed)}."
 
 
 def _drifts(fleet: Fleet) -> str:

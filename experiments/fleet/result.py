@@ -64,7 +64,9 @@ class Drift(Part):
 
 
 class Change(Part):
-    """A kept cause that one boat has in some of its datasets and not in others."""
+    """A kept cause that one boat has in some of its datasets and not in others. absent_in: those that name
+    neither it, not even as minor, nor what it cannot be distinguished from.
+    """
 
     boat: str
     cause: str
@@ -74,7 +76,8 @@ class Change(Part):
 
 class Fleet(Part):
     """The fleet. rate: the false discovery rate that the findings are held at; tests: how many p-values it
-    counts; measured: seconds of each dataset, the only part that depends on when and where it was done.
+    counts; weather: kept effects of weather, which `shared`, `drifts` and `changes` leave out; measured:
+    seconds of each dataset, the only part that depends on when and where it was done.
     """
 
     version: str
@@ -83,6 +86,7 @@ class Fleet(Part):
     members: list[Member]
     findings: list[Finding]
     shared: list[SharedCause]
+    weather: list[SharedCause]
     drifts: list[Drift]
     changes: list[Change]
     measured: dict[str, float]

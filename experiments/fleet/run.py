@@ -7,10 +7,12 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from swamp_rl.experiments.fleet.changes import changes_of
+from swamp_rl.experiments.fleet.labels import label
 from swamp_rl.experiments.fleet.members import members_of
 from swamp_rl.experiments.fleet.report import page
 from swamp_rl.experiments.fleet.result import Fleet, Member
-from swamp_rl.experiments.fleet.significance import RATE, changes_of, findings_of, label, shared_causes
+from swamp_rl.experiments.fleet.significance import RATE, findings_of, shared_causes, weather_of
 from swamp_rl.experiments.fleet.work import (
     INPUT,
     RESULT,
@@ -171,6 +173,7 @@ def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> 
         members=listed,
         findings=findings,
         shared=shared_causes(findings),
+        weather=weather_of(findings),
         drifts=drifts,
         changes=changes,
         measured={name: round(one.elapsed_s, 2) for name, one in found.items()},

@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-import warnings
 from contextlib import ExitStack
 from html.parser import HTMLParser
 from importlib import import_module
@@ -19,14 +18,7 @@ import psutil
 import pytest
 from swamp_rl.experiments.fleet import diagnose_fleet
 from swamp_rl.experiments.fleet.result import Fleet, Member
-from swamp_rl.experiments.fleet.significance import (
-    adjusted,
-    changes_of,
-    findings_of,
-    heterogeneity,
-    p_value,
-    shared_causes,
-)
+from swamp_rl.experiments.fleet.significance import adjusted, findings_of, p_value, shared_causes
 from swamp_rl.experiments.fleet.work import INPUT, RESULT, diagnose_one
 from swamp_rl.experiments.synthetic.cases import Case, write_case
 
@@ -293,44 +285,6 @@ def test_names_are_text_in_the_page_and_links_lead_into_the_fleet(tmp_path: Path
     assert sorted(found) == sorted(tmp_path / "out" / name for name in names)
 
 
-def test_parameters_that_one_dataset_lacks_or_that_are_no_number_are_not_compared() -> None:
-    found = {
-        "a": diagnosis(cause("mass", "mass", 60.0, 1.0, 90.0)),
-        "b": diagnosis(cause("mass", "other", 80.0, 1.0, 90.0)),
-        "c": diagnosis(cause("mass", "mass", math.nan, 1.0, 90.0)),
-    }
-    members = [Member(name=name, boat="one", dataset=name) for name in found]
-    findings, _ = findings_of(members, found)
-    assert changes_of(members, found, findings) == ([], [])
-
-
-def test_a_parameter_that_some_runs_do_not_determine_is_compared_among_the_others() -> None:
-    values = {"a": 60.0, "b": 65.0, "c": 70.0}
-    found = {name: diagnosis(cause("mass", "mass", value, 0.2, 90.0)) for name, value in values.items()}
-    found["c"].causes[0].parameters["mass"].identifiable = False
-    members = [Member(name=name, boat="one", dataset=name) for name in found]
-    ((drift,), _) = changes_of(members, found, findings_of(members, found)[0])
-    assert drift.values == {"a": 60.0, "b": 65.0}
-
-
-@pytest.mark.parametrize(
-    ("values", "errors", "drifts"),
-    [((1.0, 2.0), (1e-200, 1e-200), 1), ((1e308, -1e308), (1.0, 1.0), 0), ((1.0, 2.0), (1e-155, 1.0), 0)],
-)
-def test_parameters_at_the_end_of_floating_point_end_no_fleet(
-    values: tuple[float, float], errors: tuple[float, float], drifts: int
-) -> None:
-    members = [Member(name=name, boat="one", dataset=name) for name in ("a", "b")]
-    found = {
-        name: diagnosis(cause("mass", "mass", value, error, 90.0))
-        for name, value, error in zip("ab", values, errors, strict=True)
-    }
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        result, _ = changes_of(members, found, findings_of(members, found)[0])
-    assert len(result) == drifts
-
-
 def test_a_folder_without_a_dataset_has_its_line_and_does_not_stop_the_others(folder: Path) -> None:
     given = [folder / "in" / "red" / "may", folder / "in" / "red" / "never"]
     given[1].mkdir()
@@ -364,26 +318,6 @@ def test_a_weak_cause_stands_in_one_boat_and_falls_among_many() -> None:
     among, tests = findings_of(members, {str(k): weak if k == 0 else diagnosis() for k in range(20)})
     assert (tests, [one.kept for one in among]) == (20, [False])
     assert shared_causes(among) == []
-
-
-def test_a_cause_of_some_days_is_reported_and_equal_days_do_not_differ() -> None:
-    found = {
-        "a": diagnosis(cause("mass", "mass", 60.0, 1.0, 90.0)),
-        "b": diagnosis(cause("mass", "mass", 60.5, 1.0, 90.0)),
-        "c": diagnosis(),
-    }
-    members = [Member(name=name, boat="one", dataset=name) for name in found]
-    findings, _ = findings_of(members, found)
-    drifts, changes = changes_of(members, found, findings)
-    assert drifts == []
-    assert [(one.cause, one.found_in, one.absent_in) for one in changes] == [("mass", ["a", "b"], ["c"])]
-
-
-def test_angles_are_compared_the_short_way_round() -> None:
-    assert heterogeneity([3.1, -3.1], [0.1, 0.1], angle=True) == pytest.approx(
-        (2.0 * math.pi - 6.2) ** 2 / 0.02
-    )
-    assert heterogeneity([3.1, -3.1], [0.1, 0.1]) == pytest.approx(6.2**2 / 0.02)
 
 
 @pytest.mark.slow

@@ -1,0 +1,49 @@
+"""Labels of causes, by which a fleet compares the diagnoses of its datasets."""
+
+from swamp_rl.criticism.report.words import DIFFERS
+from swamp_rl.criticism.result import Cause, Diagnosis
+from swamp_rl.effects import LIBRARY
+
+
+def label(cause: Cause) -> str:
+    """Effect and thrusters."""
+    thruster = cause.thruster if isinstance(cause.thruster, list) else [cause.thruster or ""]
+    return " ".join((cause.effect, *thruster)).strip()
+
+
+def curve_label(diagnosis: Diagnosis) -> str | None:
+    """The force that no named effect explains, if it is in the extended boat."""
+    extension = diagnosis.extension
+    if extension is None or not extension.written:
+        return None
+    return "force_curve " + " and ".join(f"{one.component} of {one.covariate}" for one in extension.curves)
+
+
+def is_weather(label: str) -> bool:
+    """Whether an effect is none of the boat's: a diagnosis writes it to the conditions of a run."""
+    effect = LIBRARY.get(label.split(maxsplit=1)[0])
+    return effect is not None and effect.scope != "boat"
+
+
+def indistinguishable_from(cause: str, diagnosis: Diagnosis) -> set[str]:
+    """A cause of a diagnosis and those, but the weather, that equivalent explanations have in its place."""
+    found = {cause}
+    for explanations in diagnosis.indistinguishable:
+        sets = [_labels(one) for one in explanations]
+        differing = set[str]().union(*sets) - sets[0].intersection(*sets)
+        if cause in differing:
+            found |= {one for one in differing if not is_weather(one)}
+    return found
+
+
+def named_in(diagnosis: Diagnosis) -> set[str]:
+    """All causes of a diagnosis, with minor ones, those of equivalent explanations and a force curve."""
+    own = {label(one) for one in (*diagnosis.causes, *diagnosis.minor)}
+    own |= {curve} if (curve := curve_label(diagnosis)) else set()
+    return own.union(*(_labels(one) for explanations in diagnosis.indistinguishable for one in explanations))
+
+
+def _labels(explanation: str) -> set[str]:
+    """The labels of a set of effects: `current` and `mass` of `current by_run + mass`."""
+    parts = (one.split() for one in explanation.split(" + "))
+    return {" ".join(word for word in part if word not in DIFFERS) for part in parts}
