@@ -159,7 +159,7 @@ def _fitted_to_alike(
     for _ in range(FITS):
         rest = _without(data.training, unlike(thrusts))
         left_out = sorted(set(data.training.names) - set(rest.names))
-        LOG.info("fitting to all runs but %s", ", ".join(left_out) or "none")
+        LOG.info("fitting to all runs%s", f" but {', '.join(left_out)}" if left_out else "")
         wiring, made = with_compass_if_seen(rest, begun, positions)
         numbers = numbers_of(made)
         thrusts = thrusts_of(numbers)

@@ -154,7 +154,9 @@ def test_a_boat_file_that_lacks_a_thruster_that_ran_is_refused(tmp_path: Path) -
     data = recorded(tmp_path / "data", as_it_is)
     message = complaint(data, tmp_path / "two.yaml", tmp_path / "out")
     assert "column throttle_ss drives a thruster that boat two does not have (it has bs, bp)" in message
-    assert "give the boat of these runs by --boat" in complaint(data, "esso_osaka", tmp_path / "out")
+    assert "names the vehicle swamp: give that by --boat or leave it out, or add the thruster" in message
+    message = complaint(data, "esso_osaka", tmp_path / "out")
+    assert "names the vehicle swamp: give that by --boat or leave it out, or record the column" in message
     renamed = recorded(tmp_path / "renamed", setting(**{"left %": 0.5}))
     advice = "if one of 'left %' is it, import with --column rudder_main=THEIRS"
     assert advice in complaint(renamed, "esso_osaka", tmp_path / "out")

@@ -24,7 +24,7 @@ from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import UNLIMITED, TrialLimits, rows_within, trial_limits
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.report.next_trial import draw_next_trial, next_trial_sentences
-from swamp_rl.criticism.result import Narrowed, NextTrial
+from swamp_rl.criticism.result import Narrowed, NextTrial, Separated
 from swamp_rl.effects import apply_effects, parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.runs import read_run
@@ -310,6 +310,15 @@ def test_a_standard_error_of_noise_free_runs_is_reported_with_its_digits() -> No
     narrows = Narrowed(effect="mass", parameter="mass", unit="kg", before=1.234e-6, after=1.16e-7)
     result = next_trial_sentences(NextTrial(**RESULT, narrows=narrows))
     assert "a standard error of 1.2e-07 kg expected, 1.2e-06 kg now" in result[1]
+
+
+def test_the_effects_of_one_explanation_are_joined_by_a_plus() -> None:
+    effects = ["current by_run + resistance", "current by_run + linear_drag"]
+    separated = Separated(effects=effects, separation=34.6)
+    assert next_trial_sentences(NextTrial(**RESULT, separates=[separated]))[1] == (
+        "34.6 standard errors expected between current (another in each run) + resistance and "
+        "current (another in each run) + linear drag"
+    )
 
 
 @pytest.mark.usefixtures("brief")

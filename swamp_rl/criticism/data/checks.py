@@ -2,12 +2,14 @@
 
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.clipped import clipped
 from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
@@ -78,7 +80,7 @@ def refuse_other_boat(run: Run, boat: Boat, folder: str) -> None:
         )
         raise UserError(
             f"{folder}: run {run.name}: column {missing[0]}, by which boat {boat.name} is commanded, is "
-            f"missing; {known}give the boat of these runs by --boat, or record the column"
+            f"missing; {known}{_advice(boat, folder)}, or record the column"
         )
     driven = [
         name
@@ -90,9 +92,20 @@ def refuse_other_boat(run: Run, boat: Boat, folder: str) -> None:
     if unknown:
         raise UserError(
             f"{folder}: run {run.name}: column {unknown[0]} drives a thruster that boat {boat.name} does not "
-            f"have (it has {', '.join(boat.thruster_names)}); give --boat the boat that sailed these "
-            "runs, or add the thruster to its file"
+            f"have (it has {', '.join(boat.thruster_names)}); {_advice(boat, folder)}, or add the "
+            "thruster to its file"
         )
+
+
+def _advice(boat: Boat, folder: str) -> str:
+    """Which boat to give for runs that another one sailed, by name where their dataset names it."""
+    with suppress(UserError, OSError):
+        meta = read_meta(Path(folder))
+        if boat_of(Path(folder), meta).name != boat.name:
+            return (
+                f"dataset.yaml names the vehicle {clipped(meta.vehicle)}: give that by --boat or leave it out"
+            )
+    return "give the boat of these runs by --boat"
 
 
 def refuse_other_vehicle(dataset: Path, holdout: Path) -> None:

@@ -30,8 +30,8 @@ def next_trial_sentences(trial: NextTrial) -> list[str]:
         closest = trial.separates[0]
         of = " or more between any two, the least" if len(trial.separates) > 1 else ""
         sentences.append(
-            f"{closest.separation:.3g} standard errors expected{of} between {readable(closest.effects[0])} "
-            f"and {readable(closest.effects[1])}"
+            f"{closest.separation:.3g} standard errors expected{of} between {_sum(closest.effects[0])} and "
+            f"{_sum(closest.effects[1])}"
         )
     if one := trial.narrows:
         unit = f" {one.unit}" if one.unit != "1" else ""
@@ -47,6 +47,11 @@ def next_trial_sentences(trial: NextTrial) -> list[str]:
             f"same limits ({best.manoeuvre})"
         )
     return sentences
+
+
+def _sum(label: str) -> str:
+    """The effects of an explanation joined by a plus: an `and` stands between two explanations."""
+    return " + ".join(readable(part) for part in label.split(" + "))
 
 
 def _limited(narrows: Narrowed, evidence: float) -> str:
