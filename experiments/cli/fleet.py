@@ -28,7 +28,7 @@ def fleet(
 ) -> None:
     """Diagnose many boats; the same command resumes an interrupted one."""
     from swamp_rl.experiments.fleet import diagnose_fleet, members_of
-    from swamp_rl.experiments.fleet.report import weather_sentence
+    from swamp_rl.experiments.fleet.words import outcome_lines
 
     def tell(name: str, message: str) -> None:
         typer.echo(f"{name}: {message}")
@@ -40,13 +40,8 @@ def fleet(
     days = Counter(member.boat for member in members_of(dataset, boat))
     typer.echo(f"diagnosing {counted(len(dataset), 'dataset')} of {_boats(days)}")
     found = diagnose_fleet(dataset, out, boat, ignore or [], workers, ray, tell, tell_kept=tell_kept)
-    for shared in found.shared:
-        typer.echo(f"  {len(shared.boats)} boats share {shared.cause}: {', '.join(shared.boats)}")
-    for drift in found.drifts:
-        values = ", ".join(f"{name} {value:.3g}" for name, value in drift.values.items())
-        typer.echo(f"  {drift.boat}: {drift.cause} {drift.parameter} differs [{drift.unit}]: {values}")
-    if found.weather:
-        typer.echo(f"  {weather_sentence(found)}")
+    for line in outcome_lines(found):
+        typer.echo(f"  {line}")
     kept = sum(one.kept for one in found.findings)
     failed = sum(one.verdict is None for one in found.members)
     typer.echo(

@@ -5,19 +5,43 @@ python -m swamp_rl.experiments.fleet.result docs/fleet.schema.json
 
 import sys
 from pathlib import Path
+from typing import Literal
 
 from pydantic import Field
 
-from swamp_rl.criticism.result import Part, Verdict
+from swamp_rl.criticism.result import Estimate, Part, Verdict
 from swamp_rl.files import write_text
 from swamp_rl.json_text import schema_text
 
 TITLE = "fleet.json of swamp-rl fleet"
 
 
+class MemberCause(Part):
+    """A cause in one dataset. cause: its label; weather: whether it is none of the boat's; scope: whether all
+    runs share the parameters, or these are the means of every day's or run's own. A force curve has none.
+    """
+
+    cause: str
+    weather: bool = False
+    scope: Literal["boat", "day", "run"] = "boat"
+    parameters: dict[str, Estimate] = Field(default={})
+
+
+class PositionError(Part):
+    """Root mean square position error [m] at a horizon on held-out runs, of the boat file and of the extended
+    boat.
+    """
+
+    horizon_s: float
+    before: float
+    after: float
+
+
 class Member(Part):
     """One dataset. name: of its folder in the fleet's; boat: whose it is; boat_file: what it was compared
-    with; verdict: none where it was refused or failed, `error` says why; causes: their labels.
+    with; verdict: none where it was refused or failed, `error` says why; minor, indistinguishable: as in its
+    diagnosis; position_error: at the longest horizon that all datasets have, or the longest of its own;
+    warning: that the boat file predicts no better than a trivial predictor.
     """
 
     name: str
@@ -25,8 +49,22 @@ class Member(Part):
     dataset: str
     boat_file: str | None = None
     verdict: Verdict | None = None
-    causes: list[str] = Field(default=[])
+    causes: list[MemberCause] = Field(default=[])
+    minor: list[MemberCause] = Field(default=[])
+    indistinguishable: list[list[str]] = Field(default=[])
+    position_error: PositionError | None = None
+    warning: str | None = None
     error: str | None = None
+
+
+class BoatCauses(Part):
+    """What a boat has of its own, the weather left out. causes: kept in one of its datasets; lesser: those
+    that are minor or not kept wherever they are found.
+    """
+
+    boat: str
+    causes: list[str]
+    lesser: list[str]
 
 
 class Finding(Part):
@@ -42,10 +80,13 @@ class Finding(Part):
 
 
 class SharedCause(Part):
-    """A kept cause and the boats that have it."""
+    """A kept cause and the boats that have it. in_boat_file: whether it is rather an error of the boat file
+    than a fault of each: most of three or more boats have it, and all were compared with the same numbers.
+    """
 
     cause: str
     boats: list[str]
+    in_boat_file: bool = False
 
 
 class Drift(Part):
@@ -76,13 +117,15 @@ class Change(Part):
 
 class Fleet(Part):
     """The fleet. rate: the false discovery rate that the findings are held at; tests: how many p-values it
-    counts; weather: kept effects of weather, which `shared`, `drifts` and `changes` leave out; measured:
-    seconds of each dataset, the only part that depends on when and where it was done.
+    counts; boats: those with causes first, those without last; weather: kept effects of weather, which
+    `shared`, `drifts` and `changes` leave out; measured: seconds of each dataset, the only part that depends
+    on when and where it was done.
     """
 
     version: str
     rate: float
     tests: int
+    boats: list[BoatCauses]
     members: list[Member]
     findings: list[Finding]
     shared: list[SharedCause]

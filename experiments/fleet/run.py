@@ -5,14 +5,13 @@ import shutil
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 from swamp_rl.experiments.fleet.changes import changes_of
-from swamp_rl.experiments.fleet.labels import label
 from swamp_rl.experiments.fleet.members import members_of
 from swamp_rl.experiments.fleet.report import page
 from swamp_rl.experiments.fleet.result import Fleet, Member
 from swamp_rl.experiments.fleet.significance import RATE, findings_of, shared_causes, weather_of
+from swamp_rl.experiments.fleet.summary import boats_of, of_boat_file, summarised
 from swamp_rl.experiments.fleet.work import (
     INPUT,
     RESULT,
@@ -157,22 +156,17 @@ def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> 
             except UserError as error:
                 unread[one.name] = str(error)
     wrong = {**wrong, **unread}
-    listed = []
-    for member in members:
-        more: dict[str, Any] = {"error": wrong.get(member.name)}
-        if member.name in found:
-            own = found[member.name]
-            more = {"verdict": own.verdict, "causes": [label(cause) for cause in own.causes]}
-        listed.append(member.model_copy(update=more))
+    listed = [one.model_copy(update={"error": wrong.get(one.name)}) for one in summarised(members, found)]
     findings, tests = findings_of(listed, found)
     drifts, changes = changes_of(listed, found, findings)
     return Fleet(
         version=__version__,
         rate=RATE,
         tests=tests,
+        boats=boats_of(listed, findings),
         members=listed,
         findings=findings,
-        shared=shared_causes(findings),
+        shared=of_boat_file(shared_causes(findings), listed),
         weather=weather_of(findings),
         drifts=drifts,
         changes=changes,

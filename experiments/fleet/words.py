@@ -1,0 +1,139 @@
+"""The findings of a fleet in words, as its report and the terminal have them."""
+
+import math
+from collections.abc import Collection, Sequence
+
+from swamp_rl.experiments.fleet.result import Change, Fleet, MemberCause, SharedCause
+
+from swamp_rl.counted import and_others, counted
+from swamp_rl.criticism.report.words import readable, written
+from swamp_rl.criticism.result import Estimate
+from swamp_rl.digits import digits, known
+from swamp_rl.html_page import minus, places_of
+
+NAMED = 6
+"""Datasets that a sentence names."""
+DIFFERS = {"day": "another on each day", "run": "another in each run"}
+
+
+def effect_words(label: str) -> str:
+    """`thruster gain (port)` of `thruster_gain port`."""
+    name, _, curve = label.partition(" ")
+    return f"force: {curve.replace('_', ' ')}" if name == "force_curve" else readable(label)
+
+
+def listed(labels: Sequence[str]) -> str:
+    """Causes in words, one after another."""
+    return ", ".join(effect_words(one) for one in labels)
+
+
+def weather_words(one: MemberCause) -> str:
+    """An effect of weather, with its values where all runs share them."""
+    if one.scope == "boat":
+        return cause_words(one)
+    return f"{effect_words(one.cause)} by {one.scope}".replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def cause_words(one: MemberCause) -> str:
+    """A cause with its values and standard errors; means, of one that differs between runs or days."""
+    name, parts = effect_words(one.cause), []
+    if one.scope in DIFFERS:
+        name, parts = f"{name}, {DIFFERS[one.scope]}", ["mean"] if one.parameters else []
+    if list(one.parameters) == [one.cause]:  # mass 38.9 kg, of the effect mass
+        parts.append(estimate_words(one.parameters[one.cause]))
+        return " ".join([name, *parts])
+    values = [f"{key.replace('_', ' ')} {estimate_words(one)}" for key, one in one.parameters.items()]
+    return ": ".join([name, " ".join([*parts, ", ".join(values)])]) if values else name
+
+
+def estimate_words(given: Estimate) -> str:
+    """Value, standard error and unit, angles in degrees; no error at a bound of the fit."""
+    factor, unit = (180.0 / math.pi, "degrees") if given.unit == "rad" else (1.0, written(given.unit))
+    value, error = factor * given.value, factor * given.standard_error
+    if not given.identifiable:
+        return "not determined by these runs"
+    if given.at_bound:
+        side = f"{given.limit.replace('_', ' ')} " if given.limit else "at the bound of the fit, "
+        return minus(f"{side}{digits(value, 3)} {unit}".strip())
+    if not (0.0 < error < math.inf):
+        return minus(f"{digits(value, 4)} {unit}".strip())
+    places = places_of(error, 2)
+    shown = f"{value:.{places}f} ± {error:.{places}f}"
+    if error < 1e-4:
+        shown = f"{known(value, error, 6)} ± {digits(error, 2)}"
+    return minus(f"{shown} {unit}".strip())
+
+
+def equivalents(explanations: Sequence[str]) -> str:
+    """What explanations that cannot be distinguished do not have in common, joined by `or`."""
+    sets = [one.split(" + ") for one in explanations]
+    common = set(sets[0]).intersection(*sets)
+    parts = [[readable(part) for part in one if part not in common] for one in sets]
+    return " or ".join(" + ".join(part) or "neither" for part in parts)
+
+
+def weather_sentence(fleet: Fleet) -> str:
+    """The weather of the runs, which is no cause of a boat's; empty where none was found."""
+    if not fleet.weather:
+        return ""
+    listed = (f"{effect_words(one.cause)} ({', '.join(one.boats)})" for one in fleet.weather)
+    return f"Weather, which is not the boats' and is left out: {'; '.join(listed)}."
+
+
+def shared_words(one: SharedCause, fleet: Fleet) -> str:
+    """A shared cause and what it is likely to be."""
+    words = f"{len(one.boats)} of {counted(len(fleet.boats), 'boat')} share {effect_words(one.cause)}"
+    return f"{words}, likely an error of their common boat file" if one.in_boat_file else words
+
+
+def warning_sentence(fleet: Fleet) -> str:
+    """Where the boat file predicts no better than a trivial predictor; empty if it is better everywhere.
+
+    Where one file serves all and does better in most datasets, it is the others that differ from it.
+    """
+    warned = [one for one in fleet.members if one.warning]
+    diagnosed = [one for one in fleet.members if one.verdict]
+    if not warned:
+        return ""
+    names = [one.name for one in warned]
+    shown = ", ".join(names) if len(names) <= NAMED else and_others(names)
+    sentence = (
+        f"In {len(warned)} of {counted(len(diagnosed), 'dataset')} ({shown}) the boat file predicts "
+        "positions no better than a trivial predictor"
+    )
+    if len({one.boat_file for one in diagnosed} - {None}) == 1 and len(warned) < len(diagnosed) / 2:
+        return f"{sentence}, in the others better: these boats differ from it most."
+    example = min(warned, key=lambda one: one.verdict == "cause")  # of a cause that explains it if none else
+    return f"{sentence}. {example.name}: {example.warning}"
+
+
+def change_words(one: Change) -> str:
+    """A cause of some days."""
+    found, absent = ", ".join(one.found_in), ", ".join(one.absent_in)
+    return f"{one.boat}: {effect_words(one.cause)} found in {found}, not in {absent}"
+
+
+def boat_lines(fleet: Fleet) -> list[str]:
+    """The causes of each boat that has any, and the boats without."""
+    lines = [f"{one.boat}: {listed(one.causes)}" for one in fleet.boats if one.causes]
+    lesser = [f"{one.boat} ({listed(one.lesser)})" for one in fleet.boats if one.lesser and not one.causes]
+    lines += [f"only minor causes, or not kept ones: {'; '.join(lesser)}"] if lesser else []
+    healthy = [one.boat for one in fleet.boats if not one.causes and not one.lesser]
+    return lines + ([f"no cause of their own: {', '.join(healthy)}"] if healthy else [])
+
+
+def not_kept(fleet: Fleet) -> Collection[tuple[str, str]]:
+    """Dataset and label of each cause that does not stand at the false discovery rate."""
+    return {(one.name, one.cause) for one in fleet.findings if not one.kept}
+
+
+def outcome_lines(fleet: Fleet) -> list[str]:
+    """What the terminal says of a fleet, a line each."""
+    lines = boat_lines(fleet)
+    lines += [f"{shared_words(one, fleet)}: {', '.join(one.boats)}" for one in fleet.shared]
+    for drift in fleet.drifts:
+        values = ", ".join(f"{name} {value:.3g}" for name, value in drift.values.items())
+        what = f"{effect_words(drift.cause)} {drift.parameter.replace('_', ' ')}"
+        lines.append(f"{drift.boat}: {what} differs [{drift.unit}]: {values}")
+    lines += [change_words(one) for one in fleet.changes]
+    return lines + [one for one in (weather_sentence(fleet), warning_sentence(fleet)) if one]
