@@ -12,6 +12,7 @@ from swamp_rl.experiments.fleet.words import (
     equivalents,
     listed,
     not_kept,
+    shown_unit,
     warning_sentence,
     weather_sentence,
     weather_words,
@@ -134,13 +135,14 @@ def _shared(fleet: Fleet) -> str:
 def _drifts(fleet: Fleet) -> str:
     rows = []
     for one in fleet.drifts:
+        factor, unit = shown_unit(one.unit)
         values = "; ".join(
-            minus(f"{name} {known(value, error, 6)} ± {digits(error, 2)}")
+            f"{name} " + minus(f"{known(factor * value, error, 6)} ± {digits(error, 2)}")
             for name, value in one.values.items()
-            for error in (one.standard_errors[name],)
+            for error in (factor * one.standard_errors[name],)
         )
         cause = effect_words(one.cause)
-        rows.append((one.boat, cause, one.parameter.replace("_", " "), one.unit, values, _p(one.p)))
+        rows.append((one.boat, cause, one.parameter.replace("_", " "), unit, values, _p(one.p)))
     heads = ("boat", "cause", "parameter", "unit", "values ± one standard error", "p")
     changed = [
         (one.boat, effect_words(one.cause), ", ".join(one.found_in), ", ".join(one.absent_in))

@@ -46,9 +46,14 @@ def cause_words(one: MemberCause) -> str:
     return ": ".join([name, " ".join([*parts, ", ".join(values)])]) if values else name
 
 
+def shown_unit(unit: str) -> tuple[float, str]:
+    """Factor from a unit and the one that it is shown in, degrees for rad."""
+    return (180.0 / math.pi, "degrees") if unit == "rad" else (1.0, written(unit))
+
+
 def estimate_words(given: Estimate) -> str:
     """Value, standard error and unit, angles in degrees; no error at a bound of the fit."""
-    factor, unit = (180.0 / math.pi, "degrees") if given.unit == "rad" else (1.0, written(given.unit))
+    factor, unit = shown_unit(given.unit)
     value, error = factor * given.value, factor * given.standard_error
     if not given.identifiable:
         return "not determined by these runs"
@@ -132,8 +137,9 @@ def outcome_lines(fleet: Fleet) -> list[str]:
     lines = boat_lines(fleet)
     lines += [f"{shared_words(one, fleet)}: {', '.join(one.boats)}" for one in fleet.shared]
     for drift in fleet.drifts:
-        values = ", ".join(f"{name} {value:.3g}" for name, value in drift.values.items())
-        what = f"{effect_words(drift.cause)} {drift.parameter.replace('_', ' ')}"
-        lines.append(f"{drift.boat}: {what} differs [{drift.unit}]: {values}")
+        factor, unit = shown_unit(drift.unit)
+        values = ", ".join(f"{name} {factor * value:.3g}" for name, value in drift.values.items())
+        what = f"{effect_words(drift.cause)} {drift.parameter.replace('_', ' ')} differs"
+        lines.append(f"{drift.boat}: {what}{f' [{unit}]' if unit else ''}: {values}")
     lines += [change_words(one) for one in fleet.changes]
     return lines + [one for one in (weather_sentence(fleet), warning_sentence(fleet)) if one]

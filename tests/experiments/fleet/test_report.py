@@ -99,6 +99,17 @@ def test_boats_without_a_cause_of_their_own_come_last_and_are_named(tmp_path: Pa
     assert "only minor causes, or not kept ones: blue (yaw inertia); green (mass)" in lines
 
 
+def test_angles_that_differ_between_days_are_in_degrees_and_names_keep_their_hyphens(tmp_path: Path) -> None:
+    angles = {"red 2026-05": math.radians(8.0), "red 2026-06": math.radians(-2.0)}
+    days = {
+        name: diagnosis(cause("heading_bias", "bias", angle, 0.001, 90.0, "rad"))
+        for name, angle in angles.items()
+    }
+    whole = fleet(tmp_path, days)
+    assert "red 2026-05 8 ± 0.057; red 2026-06 −2 ± 0.057" in text(whole)
+    assert "red: heading bias bias differs [degrees]: red 2026-05 8, red 2026-06 -2" in outcome_lines(whole)
+
+
 def sisters(sick: int, of: int) -> dict[str, Diagnosis]:
     return {f"boat{k} may": diagnosis(gain()) if k < sick else diagnosis() for k in range(of)}
 
