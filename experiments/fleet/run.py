@@ -5,6 +5,7 @@ import shutil
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 from swamp_rl.experiments.fleet.changes import changes_of
 from swamp_rl.experiments.fleet.members import members_of
@@ -12,6 +13,7 @@ from swamp_rl.experiments.fleet.report import page
 from swamp_rl.experiments.fleet.result import Fleet, Member
 from swamp_rl.experiments.fleet.significance import RATE, findings_of, shared_causes, weather_of
 from swamp_rl.experiments.fleet.summary import boats_of, of_boat_file, summarised
+from swamp_rl.experiments.fleet.words import listed
 from swamp_rl.experiments.fleet.work import (
     INPUT,
     RESULT,
@@ -141,8 +143,14 @@ def carry_out(jobs: Mapping[str, str], pool: Pool, tell: Tell) -> dict[str, str]
         result = json.loads(ended.answer) if ended.answer is not None else {"error": ended.error}
         if result.get("error"):
             wrong[name] = result["error"]
-        tell(name, result.get("error") or result["verdict"])
+        tell(name, result.get("error") or _outcome(result))
     return wrong
+
+
+def _outcome(result: Mapping[str, Any]) -> str:
+    """The verdict of a diagnosis and the boat's causes."""
+    causes = result.get("causes", [])
+    return f"{result['verdict']}; {listed(causes)}" if causes else str(result["verdict"])
 
 
 def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> Fleet:
@@ -156,17 +164,17 @@ def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> 
             except UserError as error:
                 unread[one.name] = str(error)
     wrong = {**wrong, **unread}
-    listed = [one.model_copy(update={"error": wrong.get(one.name)}) for one in summarised(members, found)]
-    findings, tests = findings_of(listed, found)
-    drifts, changes = changes_of(listed, found, findings)
+    every = [one.model_copy(update={"error": wrong.get(one.name)}) for one in summarised(members, found)]
+    findings, tests = findings_of(every, found)
+    drifts, changes = changes_of(every, found, findings)
     return Fleet(
         version=__version__,
         rate=RATE,
         tests=tests,
-        boats=boats_of(listed, findings),
-        members=listed,
+        boats=boats_of(every, findings),
+        members=every,
         findings=findings,
-        shared=of_boat_file(shared_causes(findings), listed),
+        shared=of_boat_file(shared_causes(findings), every),
         weather=weather_of(findings),
         drifts=drifts,
         changes=changes,

@@ -5,6 +5,8 @@ import json
 import os
 from pathlib import Path
 
+from swamp_rl.experiments.fleet.labels import is_weather, label
+
 from swamp_rl.boat import Boat
 from swamp_rl.boat.digest import boat_digest
 from swamp_rl.criticism.result import Diagnosis
@@ -34,7 +36,8 @@ def diagnose_one(job: str) -> str:
         found = diagnose(dataset, asked["boat"], out, ignore=asked["ignore"], notes=notes)
     except UserError as error:
         return json.dumps({"error": " ".join(str(error).split())})
-    return json.dumps({"verdict": found.verdict, "seconds": found.elapsed_s})
+    causes = [label(one) for one in found.causes if not is_weather(label(one))]
+    return json.dumps({"verdict": found.verdict, "causes": causes, "seconds": found.elapsed_s})
 
 
 def input_of(dataset: Path, numbers: str, ignore: list[str], version: str) -> dict[str, object]:

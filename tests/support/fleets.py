@@ -49,7 +49,8 @@ def pretend(job: str) -> str:
     (out / RESULT).write_text(found.model_dump_json())
     time.sleep(data.get("seconds", 0.0))
     (out / INPUT).write_text(json.dumps(asked["input"]))
-    return json.dumps({"verdict": found.verdict, "seconds": 0.0})
+    causes = [one.effect for one in found.causes]
+    return json.dumps({"verdict": found.verdict, "causes": causes, "seconds": 0.0})
 
 
 def datasets(folder: Path, meta: dict[str, Any]) -> list[Path]:

@@ -71,3 +71,16 @@ def test_a_resumed_fleet_says_how_many_are_already_diagnosed(
     Path("in/red/run.csv").write_text("another run")
     changed = "made again, as the dataset, the boat, --ignore or the version changed: 1"
     assert f"  already diagnosed: 1 of 2; {changed}\n" in call("fleet", *given, "--out", "out")[1]
+
+
+def test_a_fleet_says_the_causes_of_each_boat_as_it_is_diagnosed_and_the_boats_without(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mass = {"effect": "mass", "parameter": "mass", "value": 62.0, "error": 0.2, "gain": 80.0, "unit": "kg"}
+    given = [str(one) for one in datasets(Path("in"), {"red": {"causes": [mass]}, "blue": {"causes": []}})]
+    monkeypatch.setattr(
+        "swamp_rl.experiments.fleet.run.open_pool", lambda *asked: nullcontext(PoolHere(pretend, 1, 0))
+    )
+    lines = call("fleet", *given, "--out", "out")[1].splitlines()
+    assert {"red: cause; mass", "blue: nothing_wrong"} <= set(lines)
+    assert {"  red: mass", "  no cause of their own: blue"} <= set(lines)
