@@ -6,6 +6,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+FULL_TURN = 2.0 * math.pi  # to which the remainder of a negative rounding error is rounded up
 Angle = TypeVar("Angle", float, NDArray[np.float64])
 
 
@@ -20,14 +21,17 @@ def turned(x: Angle, y: Angle, angle: Angle) -> tuple[Angle, Angle]:
 
 def wrapped(angle: Angle) -> Angle:
     """The same direction [rad] in (−π, π]."""
-    return math.pi - (math.pi - angle) % (2.0 * math.pi)
+    back = (math.pi - angle) % FULL_TURN
+    return math.pi - back * (back < FULL_TURN)
 
 
 def wrapped_below(angle: Angle) -> Angle:
     """The same direction [rad] in [−π, π): straight astern is −π."""
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
+    on = (angle + math.pi) % FULL_TURN
+    return on * (on < FULL_TURN) - math.pi
 
 
 def within_half_turn(angle: NDArray[np.float64]) -> NDArray[np.float64]:
     """The same direction [rad] in [−π, π]; what lies there already stays as it is to the last bit."""
-    return np.asarray(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))
+    back = angle - FULL_TURN * np.round(angle / FULL_TURN)
+    return np.clip(back, -np.pi, np.pi)

@@ -54,7 +54,8 @@ def covariate_value(
     if which == 9:
         return jets[moment, thruster, LEVEL_OF_THRUSTER]
     angle = motion[2] if which == 3 else jets[moment, thruster, ANGLE_OF_THRUSTER]
-    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+    angle -= 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+    return min(max(angle, -math.pi), math.pi)
 
 
 @compiled

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.estimate import components, sides_of
@@ -167,7 +168,7 @@ def _undecided(question: Question, narrows: Narrowed | None) -> str:
 def write_trial(folder: Path, trial: Designed, boat: Boat, dt: float) -> None:
     """Write the commands, with the motion that the first explanation predicts, a row each dt [s]."""
     motion = dict(zip(CHANNELS, trial.tracks[0].T, strict=True))
-    motion["heading"] = np.pi - np.mod(np.pi - motion["heading"], 2 * np.pi)  # in (-pi, pi]
+    motion["heading"] = wrapped(motion["heading"])
     columns = {"time": dt * np.arange(len(trial.commands))} | motion | command_columns(boat, trial.commands)
     write_run(folder / FILE, Run(Path(FILE).stem, columns))
 
