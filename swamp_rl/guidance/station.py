@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from swamp_rl.allocation import Jets, Wish, allocate
 from swamp_rl.angles import turned, wrapped
 from swamp_rl.constants import SWAMP_LENGTH
+from swamp_rl.guidance.drive import MOMENT
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.guidance.servo import VelocityServo
 
@@ -17,7 +18,7 @@ Array = NDArray[np.float64]
 # Of a boat as long as SWAMP; others by Froude's law.
 POSITION_GAIN, HEADING_GAIN = 0.25, 0.4  # 1/s, a third of the inner loop's bandwidth
 SPEED_LIMIT, TURN_LIMIT = 0.3, 0.3  # m/s, rad/s at which the boat returns at most
-WISH = Wish(change=0.05, moment=5.0)  # a boat turned away from its heading cannot hold what it could
+WISH = Wish(change=0.05, moment=MOMENT)  # a boat turned away from its heading cannot hold what it could
 
 
 class Station(NamedTuple):

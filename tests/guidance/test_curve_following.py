@@ -9,14 +9,14 @@ import pytest
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.estimate import KINDS, Kind
 from swamp_rl.guidance.capability import capability
-from swamp_rl.guidance.curve import Curve
+from swamp_rl.guidance.curve import Curve, joined
 from swamp_rl.guidance.curve_following import BehindVehicle, CurveFollower, SteadyPace
 from swamp_rl.guidance.drive import drive_of
 from swamp_rl.guidance.flight import Flight, flown, in_sea
 from swamp_rl.guidance.holding import Holding, in_flow
 from swamp_rl.guidance.keep import keeper_for
 from swamp_rl.guidance.loop import drive
-from swamp_rl.guidance.path_file import load_path
+from swamp_rl.guidance.path_file import arc, load_path
 from swamp_rl.guidance.servo import servo_of
 from swamp_rl.guidance.station import Station, StationKeeper
 from swamp_rl.guidance.track_errors import along_and_across, spread
@@ -54,6 +54,17 @@ def test_an_eight_mirrors_itself_from_its_first_circle_to_its_second() -> None:
     quarter = [(0.25 < a / curve.length < 0.45, 0.75 < a / curve.length < 0.95) for a in found[:, 0]]
     first, second = (found[[pair[i] for pair in quarter], 1].mean() for i in (0, 1))
     assert first == pytest.approx(-second, abs=0.05)
+
+
+def test_fixed_thrusters_at_full_thrust_still_turn_the_boat_onto_its_path(tmp_path: Path) -> None:
+    boat = new_boat(tmp_path, "twin-fixed", 5.0)
+    straight = np.zeros(60)
+    line = np.stack([np.linspace(0.0, 15.0 * boat.length, 60), straight], axis=1)
+    bend = arc(line[-1], 0.0, 5.0 * boat.length, math.radians(-150.0))
+    curve = joined([(line, straight, straight), bend])
+    flight = follow(boat, curve, reference_of(boat).speed)
+    assert flight.completed
+    assert np.abs(along_and_across(curve, flight.track, boat.length)[:, 1]).max() < boat.length
 
 
 def test_a_boat_follows_a_vehicle_at_its_distance_on_its_way() -> None:
