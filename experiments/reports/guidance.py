@@ -184,7 +184,8 @@ def _meta(boat: Boat, boat_name: str) -> DatasetMeta:
 
 
 def _title(boat: Boat, goal: dict[str, Any]) -> str:
-    return f"{goal['what'].capitalize()} {goal['name'] if goal['what'] != 'station' else ''} of {boat.name}"
+    what = goal["what"].capitalize()
+    return f"{what} of {boat.name}" if what == "Station" else f"{what} {goal['name']} of {boat.name}"
 
 
 def _common(flight: Flight, seed: int, drawn: list[dict[str, Any]]) -> dict[str, Any]:
