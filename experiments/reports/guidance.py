@@ -72,9 +72,22 @@ def follow_leader(
     if curve.length <= behind:
         raise UserError(f"--behind {behind:g}: {file} is {curve.length:.3g} m long; follow more closely")
     pace = BehindVehicle(time, way, behind, reference_of(boat).speed)
+    note = too_fast(pace, boat.length)
     longest = min(PATIENCE * float(time[-1]) + STARTING, LONGEST)
     target = {"what": "vehicle", "name": leader.name, "behind": behind, "path_length": curve.length}
+    target |= {"note": note} if note else {}
     return _followed(out, boat, boat_name, curve, pace, longest, level, sea, seed, target)
+
+
+def too_fast(pace: BehindVehicle, length: float) -> str:
+    """A note for a vehicle that outruns a boat of that length [m] by more than half of it; else nothing."""
+    lost, speed = pace.outrun()
+    if lost <= 0.5 * length:
+        return ""
+    return (
+        f"note: the vehicle moves at {speed:.3g} m/s, above {pace.fastest:.3g} m/s, the boat's top speed in "
+        f"still water; the boat falls at least {lost:.3g} m behind"
+    )
 
 
 def way_of(time: Array, places: Array, length: float, file: object) -> tuple[Curve, Array, Array]:
@@ -243,6 +256,8 @@ def lines(result: dict[str, Any]) -> list[str]:
     found = [f"{result['time']:.1f} s, {result['way']:.1f} m over ground"]
     if not result["completed"]:
         found.append("the end of the path was not reached in time")
+    if result.get("note"):
+        found.append(result["note"])
     for name, unit in UNITS.items():
         if result.get(name):
             e, scale = result[name], 180.0 / math.pi if unit == "rad" else 1.0

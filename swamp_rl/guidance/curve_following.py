@@ -70,6 +70,15 @@ class BehindVehicle:
     def known(self, time: float) -> float:
         return float(np.interp(time, self.time, self.way))
 
+    def outrun(self) -> tuple[float, float]:
+        """Distance [m] by which the vehicle outruns a boat at `fastest`, and its mean speed [m/s] there."""
+        ahead = self.way - self.fastest * self.time
+        end = int(np.argmax(ahead - np.minimum.accumulate(ahead)))
+        start = int(np.argmin(ahead[: end + 1]))
+        taken = float(self.time[end] - self.time[start])
+        speed = float(self.way[end] - self.way[start]) / taken if taken else 0.0
+        return float(ahead[end] - ahead[start]), speed
+
     def over(self, time: float, along: float) -> bool:
         return bool(time >= self.time[-1] and along >= self.way[-1] - self.behind)
 

@@ -82,6 +82,15 @@ def test_a_boat_follows_a_vehicle_at_its_distance_on_its_way() -> None:
     assert np.abs(along[:, 1]).max() < boat.length
 
 
+def test_a_vehicle_outruns_a_boat_by_what_it_makes_good_above_its_top_speed() -> None:
+    time = np.arange(0.0, 60.0, 0.1)
+    speed = np.select([time < 20.0, time < 40.0], [0.5, 1.3], 0.2)
+    way = np.concatenate([[0.0], np.cumsum(0.1 * speed[:-1])])
+    lost, mean = BehindVehicle(time, way, 5.0, 1.0).outrun()
+    assert (lost, mean) == pytest.approx((0.3 * 20.0, 1.3))
+    assert BehindVehicle(time, way, 5.0, 1.3).outrun()[0] == pytest.approx(0.0, abs=1e-9)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_boats_of_every_kind_hold_a_place_in_a_current(tmp_path: Path, kind: Kind) -> None:

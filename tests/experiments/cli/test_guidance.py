@@ -41,7 +41,19 @@ def test_a_boat_follows_the_run_of_another(call: Call, tmp_path: Path) -> None:
     code, message, complaint = call("follow-vehicle", "ahead/path.parquet", "--behind", "4", "--out", "out")
     assert (code, complaint) == (0, "")
     assert "gap error" in message
+    assert "note" not in message
     assert check_dataset(tmp_path / "out") == []
+
+
+def test_a_vehicle_faster_than_the_boat_is_reported(call: Call, tmp_path: Path) -> None:
+    assert call("follow", "mine.yaml", "--out", "ahead")[0] == 0
+    sizes = ("--length", 0.6, "--breadth", 0.3, "--mass", 8, "--thrust", 2)
+    assert call("boat", "new", "toy", "--kind", "azimuth", *sizes)[0] == 0
+    follow = ("follow-vehicle", "ahead/path.parquet", "--behind", "4", "--boat", "toy.yaml", "--out", "out")
+    code, message, _ = call(*follow)
+    assert code == 0
+    assert "note: the vehicle moves at 0.8" in message
+    assert "the boat's top speed in still water" in (tmp_path / "out/analysis/report.md").read_text()
 
 
 def test_a_run_of_it_replays_to_itself(call: Call, tmp_path: Path) -> None:
