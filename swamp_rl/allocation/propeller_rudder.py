@@ -16,6 +16,7 @@ from swamp_rl.simulator import parameters
 
 Array = NDArray[np.float64]
 HALVINGS = 40
+SHARES = (0.01, 0.1, 1.0)  # of a wanted force, from which its largest multiple is sought
 MOST = 50.0  # multiples of a wanted force beyond which no one asks
 
 
@@ -99,17 +100,19 @@ class Propellers:
     def largest_multiple(self, wanted: Array, velocity: Array) -> float:
         """The largest multiple [1], MOST at most, of `wanted` (3,) of which surge and yaw can be had.
 
-        velocity: (3,) through the water [m/s, rad/s]. 0 where not even a hundredth of it can be had; the
-        sway force is nobody's business here: see `swamp_rl.guidance.capability`.
+        velocity: (3,) through the water [m/s, rad/s]. 0 where neither a hundredth of it, a tenth nor the
+        whole can be had: in a flow from the side the rudder has a moment by itself, and little of a force
+        may be out of reach where all of it is not. The sway force is left out.
         """
         rest = np.zeros(len(self.names))
 
         def had(multiple: float) -> bool:
             return self.allocate(multiple * wanted, velocity, rest).attainable
 
-        if not had(0.01):
+        low = next((share for share in SHARES if had(share)), 0.0)
+        if not low:
             return 0.0
-        low, high = 0.01, MOST
+        high = MOST
         for _ in range(HALVINGS // 2):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if had(middle) else (low, middle)
