@@ -15,6 +15,7 @@ from swamp_rl.experiments.reports.experiment import table
 from swamp_rl.experiments.reports.guidance import follow_path, hold_station
 
 from benchmarks.markers import DOCS, write_parts
+from swamp_rl.errors import UserError
 
 PATHS = ("eight", "river", "lawn_mower")
 BOATS = ("swamp", "esso_osaka")
@@ -45,7 +46,11 @@ def station_table(folder: Path) -> str:
     rows = []
     for boat in BOATS:
         for sea in ("current 0.2 m/s", "wind 6 m/s"):
-            hold_station(folder / "station", boat, 240.0, None, [], None, SEAS[sea], 0)
+            try:
+                hold_station(folder / "station", boat, 240.0, None, [], None, SEAS[sea], 0)
+            except UserError:
+                rows.append([boat, sea, "refused", *"––––"])
+                continue
             data = json.loads((folder / "station/analysis/result.json").read_text())
             rows.append([boat, sea, data["keeper"], *(f"{e:.2f}" for e in data["distance"].values())])
     return table(["boat", "sea", "controller", "mean, m", "rms, m", "95 %, m", "max, m"], rows)

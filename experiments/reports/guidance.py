@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 NOTES = "Guidance of swamp_rl in closed loop on its own simulator; no measured data."
 PATIENCE, STARTING = 3.0, 60.0  # multiple of a path's time at its speed, and s more
 SETTLING = 0.25  # share of a station's time that is left out of its figures
+HELD_LENGTHS, HELD_TURN = 1.0, math.radians(30.0)  # of a station that is held, for 95 % of the time
 UNITS = {"cross_track_error": "m", "distance": "m", "heading_error": "rad", "gap_error": "m"}
 
 
@@ -173,11 +174,18 @@ def hold_station(
         }
         result = own | _common(flight, seed, drawn)
         result |= {"distance": spread(away[late]), "heading_error": spread(turned[late])}
+        result |= {"held": is_held(result, boat.length)}
         append_run(part, flight.run("station", seed, drawn, {"guidance": "station"}))
         (part / ANALYSIS).mkdir()
         draw_station(part / ANALYSIS / "track.png", flight, away, turned, _title(boat, own))
         _write(part / ANALYSIS, result, flight, {"distance": away, "heading_error": turned})
     return [balance.reason, *lines(result)]
+
+
+def is_held(result: dict[str, Any], length: float) -> bool:
+    """Whether a boat of that length [m] was within a length of its station and 30 deg of its heading."""
+    distance, turned = (result[name]["quantile_95"] for name in ("distance", "heading_error"))
+    return bool(distance <= HELD_LENGTHS * length and turned <= HELD_TURN)
 
 
 class Timed:
@@ -234,8 +242,8 @@ def _write(folder: Path, result: dict[str, Any], flight: Flight, extra: dict[str
     columns = [flight.time, *flight.track[:, [NORTH, EAST, HEADING]].T, *extra.values()]
     write_rows(folder / "track.csv", ["time", "north", "east", "heading", *extra], np.stack(columns, axis=1))
     body = "\n".join(f"* {in_markdown(line)}" for line in lines(result))
-    name, boat = in_markdown(result["name"]), in_markdown(result["boat"])
-    text = f"# {result['what'].capitalize()} {name}, {boat}\n\nSimulated.\n\n{body}\n\n"
+    what = result["what"].capitalize() + f" {result['name']}" * (result["what"] != "station")
+    text = f"# {in_markdown(what)}, {in_markdown(result['boat'])}\n\nSimulated.\n\n{body}\n\n"
     (folder / "report.md").write_text(
         f"{text}{error_table(result)}\n\n![track](track.png)\n", encoding="utf-8"
     )
@@ -268,4 +276,8 @@ def lines(result: dict[str, Any]) -> list[str]:
             found.append(f"{name.replace('_', ' ')} [{'deg' if unit == 'rad' else unit}]: {values}")
     energy = result["electric_energy"]
     found.append("energy: the boat file has no battery" if energy is None else f"energy: {energy:.0f} J")
+    if "held" in result:
+        bound = f"a boat length of the station and {math.degrees(HELD_TURN):.0f} deg of the heading"
+        verdict = "held: for" if result["held"] else "not held: for less than"
+        found.append(f"{verdict} 95 % of the time within {bound}")
     return found

@@ -13,7 +13,7 @@ from swamp_rl.allocation import Jets, largest_multiple
 from swamp_rl.boat import Boat
 from swamp_rl.guidance.drive import Drive
 from swamp_rl.guidance.holding import RESERVE, in_flow, steady_force_of
-from swamp_rl.guidance.weathervane import margin_of, pushes_sideways
+from swamp_rl.guidance.weathervane import margin_of, pushes_sideways, unsteadiness
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
 
@@ -64,9 +64,9 @@ def capability(
 
 def holds(boat: Boat, drive: Drive, angle: float, current: float, wind: float, sideways: bool) -> bool:
     """Whether the force against a current and a wind [m/s] that come from `angle` [rad] can be had, and a
-    tenth more."""
-    record = in_weather(parameters(boat), angle, current, wind)[0]
-    needed = steady_force_of(record, tank(boat), 0.0)
+    tenth more, at a heading that the bow keeps."""
+    record, curves = in_weather(parameters(boat), angle, current, wind)[0], tank(boat)
+    needed = steady_force_of(record, curves, 0.0)
     size = float(np.hypot(*needed[:2]))
     if size == 0.0:
         return True
@@ -75,7 +75,7 @@ def holds(boat: Boat, drive: Drive, angle: float, current: float, wind: float, s
         return largest_multiple(in_flow(drive, current), needed) >= RESERVE
     if abs(needed[1]) > STRAIGHT * size:
         return False
-    return margin_of(drive, needed, flow) >= RESERVE
+    return margin_of(drive, needed, flow) >= RESERVE and not unsteadiness(drive, record, curves, 0.0)
 
 
 def in_weather(record: NDArray[Any], angle: float, current: float, wind: float) -> NDArray[Any]:

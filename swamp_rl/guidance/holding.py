@@ -1,4 +1,4 @@
-"""Whether, and at which heading, the working jets can hold station in current and wind; else why not."""
+"""Whether, and at which heading, the working thrusters can hold station in current and wind; else why not."""
 
 import math
 from dataclasses import dataclass, replace
@@ -29,33 +29,38 @@ class Holding:
     """One heading's balance: needed (3,) force [N] and moment [N m] in the mean wind.
 
     margin: how many times it can be had, or, if that is less, what a gust of two deviations asks for.
+    unsteady: why the bow does not stay at the heading, where it does not.
     """
 
     heading: float
     needed: Array
     margin: float
+    unsteady: str = ""
 
     @property
     def holds(self) -> bool:
-        """Whether the jets can hold it with something left to steer with."""
-        return self.margin >= RESERVE
+        """Whether the thrusters can hold it with something left to steer with."""
+        return self.margin >= RESERVE and not self.unsteady
 
     @property
     def reason(self) -> str:
         """One line for the person who must decide."""
         x, y, n = np.round(self.needed, 2) + 0.0  # no minus before nought
         need = f"{x:+.1f} N ahead, {y:+.1f} N to starboard and {n:+.2f} N m are needed"
-        at = f"at heading {math.degrees(self.heading):.0f} deg"
+        at = f"at heading {round(math.degrees(self.heading)) % 360} deg"
         if self.holds and not self.needed.any():
             return f"can hold {at}: no force is needed"
         if self.holds:
-            return f"can hold {at}: {need}, the jets give {self.margin:.1f} times that"
+            return f"can hold {at}: {need}, the thrusters give {self.margin:.1f} times that"
+        if self.unsteady:
+            return f"cannot hold {at}: {self.unsteady}"
         if not self.needed.any():
             return "cannot hold: one jet cannot steer without current or wind"
         if self.margin == 0.0:
-            return f"cannot hold {at}: {need}, and the jets have no force along that line"
+            return f"cannot hold {at}: {need}, and the thrusters have no force along that line"
         return (
-            f"cannot hold {at}: {need}, the jets give {self.margin:.2f} times that, {RESERVE:g} is required"
+            f"cannot hold {at}: {need}, the thrusters give {self.margin:.2f} times that, {RESERVE:g} is "
+            "required"
         )
 
 

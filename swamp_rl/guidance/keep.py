@@ -6,7 +6,7 @@ from swamp_rl.allocation import Jets
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.guidance.drive import Drive, drive_of
-from swamp_rl.guidance.holding import Holding, best_holding, holding_at
+from swamp_rl.guidance.holding import Holding, best_holding, holding_at, steady_force
 from swamp_rl.guidance.one_jet import OneJetKeeper
 from swamp_rl.guidance.servo import servo_of
 from swamp_rl.guidance.station import Station, StationKeeper
@@ -38,23 +38,37 @@ def keeper_for(
     assert isinstance(drive, Jets)
     held = best_holding(boat, drive) if heading is None else holding_at(boat, drive, heading)
     if not held.holds:
-        raise UserError(f"{held.reason}; choose another heading or place, or use more jets")
+        raise UserError(f"{held.reason}; {_advice(drive, heading is not None)}")
     if alone:
         return OneJetKeeper(boat, drive, place, held), held
     station = Station(*place, held.heading)
     return StationKeeper(drive, servo_of(boat), station, length=boat.length), held
 
 
+def _advice(jets: Jets, chosen: bool) -> str:
+    """What helps a boat that cannot hold with these jets, at a heading that was chosen or at its best."""
+    if int(jets.works.sum()) == 1:
+        return "use a second thruster: one alone holds only where the force that is needed passes through it"
+    if chosen:
+        return "choose another heading"
+    more = "" if jets.works.all() else ", or use more thrusters"
+    return f"choose a place with less current and wind{more}"
+
+
 def weathervane(boat: Boat, drive: Drive, place: tuple[float, float]) -> tuple[WeathervaneKeeper, Holding]:
     """The controller with the bow in the weather; UserError where none pushes the boat, or too hard."""
     held = weather_heading(boat, drive)
-    if held.margin == 0.0:
+    if held is None or not held.holds:
+        pushed = any(steady_force(boat, heading).any() for heading in (0.0, 1.0))
+        why = "; there is none here"
+        if held is not None:
+            why = f", which set the heading; {held.reason}"
+        elif pushed:
+            why = "; these oppose each other here, and at no heading push it straight astern"
         raise UserError(
-            f"boat {boat.name} has no sway force and holds only with its bow in a current or wind "
-            "that it can stem; there is none here"
+            f"boat {boat.name} has no sway force and holds only with its bow in a current or wind that it "
+            f"can stem{why}"
         )
-    if not held.holds:
-        raise UserError(f"{held.reason}; choose another place")
     return WeathervaneKeeper(drive, servo_of(boat), place, held.heading, boat.length), held
 
 

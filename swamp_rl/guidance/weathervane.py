@@ -7,26 +7,38 @@ the weather both push across.
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.allocation import Jets, largest_multiple
+from swamp_rl.allocation import Jets, Propellers, largest_multiple
 from swamp_rl.angles import turned
 from swamp_rl.boat import Boat
 from swamp_rl.constants import SWAMP_LENGTH
 from swamp_rl.guidance.drive import Drive
 from swamp_rl.guidance.following import LOOKAHEAD, steered, turning_to
-from swamp_rl.guidance.holding import GUST, HALVINGS, HEADINGS, Holding, in_flow, steady_force
+from swamp_rl.guidance.holding import (
+    GUST,
+    HALVINGS,
+    HEADINGS,
+    RESERVE,
+    Holding,
+    in_flow,
+    steady_force,
+    steady_force_of,
+)
 from swamp_rl.guidance.loop import Seen
 from swamp_rl.guidance.servo import VelocityServo
 from swamp_rl.guidance.station import POSITION_GAIN, SPEED_LIMIT
-from swamp_rl.simulator import parameters
+from swamp_rl.simulator import parameters, tank
 
 Array = NDArray[np.float64]
 
 INTEGRAL = 0.05  # 1/s, of the displacement to the side, of a boat as long as SWAMP
 FARTHEST = 1.0  # rad that the bow leaves the weather by at most
+TURNED = math.radians(5.0)  # that the weather turns the bow by, from where it must come back
+STILL = 1e-9  # m/s, the rounding of a current from abeam
 
 
 def pushes_sideways(drive: Drive) -> bool:
@@ -46,13 +58,36 @@ def margin_of(drive: Drive, needed: Array, velocity: Array) -> float:
     return drive.largest_multiple(along, velocity)
 
 
-def weather_heading(boat: Boat, drive: Drive) -> Holding:
+def velocity_through_water(p: Any, heading: float) -> Array:
+    """(3,) surge, sway [m/s], yaw rate of a boat at rest over ground in the current of its record p."""
+    ahead, starboard = turned(float(p["current_north"]), float(p["current_east"]), -heading)
+    return np.array([-ahead, -starboard, 0.0])
+
+
+def unsteadiness(drive: Drive, p: Any, curves: Array, heading: float) -> str:
+    """Why a boat of record p and towing-tank curves does not keep its bow at a heading [rad]; else nothing.
+
+    A rudder needs water from ahead or the propeller's slipstream, which a current from astern takes away.
+    Turned by `TURNED`, the boat must attain the moment that balances the weather there, and a tenth more.
+    """
+    if isinstance(drive, Propellers) and velocity_through_water(p, heading)[0] < -STILL:
+        return "the current comes from astern, where rudder and hull do not keep a heading"
+    for off in (heading - TURNED, heading + TURNED):
+        flow = velocity_through_water(p, off)
+        for gust in (0.0, GUST):
+            if margin_of(drive, steady_force_of(p, curves, off, gust), flow) < RESERVE:
+                return f"the thrusters cannot turn the bow back from {math.degrees(TURNED):.0f} deg beside it"
+    return ""
+
+
+def weather_heading(boat: Boat, drive: Drive) -> Holding | None:
     """The heading at which current and wind push the boat straight astern, with the greatest margin.
 
-    boat: with the current and wind that are believed in its effects. Margin 0 where there is none.
+    boat: with the current and wind that are believed in its effects. One that the bow keeps comes before
+    one that it does not; None where there is none.
     """
     found = [_balance(boat, drive, heading) for heading in _ahead_roots(boat)]
-    return max(found, key=lambda one: one.margin, default=Holding(0.0, steady_force(boat, 0.0), 0.0))
+    return max(found, key=lambda one: (one.holds, one.margin), default=None)
 
 
 def _ahead_roots(boat: Boat) -> list[float]:
@@ -73,12 +108,12 @@ def _ahead_roots(boat: Boat) -> list[float]:
 
 
 def _balance(boat: Boat, drive: Drive, heading: float) -> Holding:
-    record = parameters(boat)[0]
-    north, east = float(record["current_north"]), float(record["current_east"])
-    flow = -np.array([*turned(north, east, -heading), 0.0])
-    needed = steady_force(boat, heading)
-    margins = [margin_of(drive, steady_force(boat, heading, gust), flow) for gust in (0.0, GUST)]
-    return Holding(heading, needed, min(margins))
+    p, curves = parameters(boat)[0], tank(boat)
+    flow = velocity_through_water(p, heading)
+    calm, gusty = (steady_force_of(p, curves, heading, gust) for gust in (0.0, GUST))
+    margin = min(margin_of(drive, calm, flow), margin_of(drive, gusty, flow))
+    why = unsteadiness(drive, p, curves, heading) if margin >= RESERVE else ""
+    return Holding(heading, calm, margin, why)
 
 
 @dataclass

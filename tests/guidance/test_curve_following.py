@@ -159,7 +159,7 @@ def test_a_drive_without_sway_force_holds_only_from_ahead_or_astern() -> None:
     assert found.current[0] > 0.2 and found.current[1:4].max() == 0.0
     assert isinstance(
         keeper_for(
-            in_sea(boat, None, [{"effect": "wind", "speed": 2.0, "from": 0.0}], 0)[0],
+            in_sea(boat, None, [{"effect": "current", "north": -0.2, "east": 0.0}], 0)[0],
             drive_of(boat),
             (0.0, 0.0),
         )[1],

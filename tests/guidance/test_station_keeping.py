@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from swamp_rl.allocation import jets_of
+from swamp_rl.allocation import Jets, jets_of
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.estimate import Kind
 from swamp_rl.effects import parse_effects
@@ -118,6 +118,22 @@ def test_whoever_can_hold_is_found_and_else_the_reason_is_given() -> None:
         keeper_for(SEA, jets.without(BOAT.thruster_names), (0.0, 0.0))
 
 
+def test_a_boat_that_cannot_hold_is_told_only_what_it_can_change(tmp_path: Path) -> None:
+    lame = in_current(new_boat(tmp_path, "twin-fixed", 2.4), -0.2, 0.1)
+    jets = drive_of(lame)
+    assert isinstance(jets, Jets)
+    with pytest.raises(UserError, match="use a second thruster"):
+        keeper_for(lame, jets.without(["port"]), (0.0, 0.0))
+    with pytest.raises(UserError, match=r"choose a place with less current and wind$"):
+        keeper_for(in_current(BOAT, 2.0, 0.0), jets_of(BOAT), (0.0, 0.0))
+    with pytest.raises(UserError, match=r"or use more thrusters$"):
+        keeper_for(in_current(BOAT, 2.0, 0.0), jets_of(BOAT).without(["bs"]), (0.0, 0.0))
+
+
+def test_a_heading_just_below_a_full_turn_is_printed_as_north() -> None:
+    assert "at heading 0 deg" in Holding(math.radians(359.9), np.zeros(3), 2.0).reason
+
+
 def test_the_last_jet_must_be_allowed_to_push_where_the_balance_wants_it() -> None:
     failed = ["bp", "ss", "sp"]
     free = best_holding(SEA, jets_of(SEA).without(failed))
@@ -166,7 +182,7 @@ def test_one_jet_of_a_large_boat_is_brought_back_to_its_place_in_a_current(
 
 def test_the_margin_counts_what_the_jets_lose_in_the_current() -> None:
     sea = in_current(BOAT, 1.5, 0.0)
-    with pytest.raises(UserError, match=r"the jets give 0\.\d+ times that"):
+    with pytest.raises(UserError, match=r"the thrusters give 0\.\d+ times that"):
         keeper_for(sea, jets_of(sea), (0.0, 0.0))
 
 

@@ -68,6 +68,8 @@ def test_a_station_is_held_and_one_that_cannot_be_is_refused(call: Call, tmp_pat
     code, message, _ = call("hold", "--duration", 20, "--current", 0.2, "--wind", 4, "--out", "out")
     assert code == 0
     assert "can hold at heading" in message
+    assert "\nheld: for 95 % of the time" in message
+    assert json.loads((tmp_path / "out/analysis/result.json").read_text())["held"]
     assert check_dataset(tmp_path / "out") == []
     assert_complains(call("hold", "--current", 5, "--out", "far"), "cannot hold")
     assert_complains(call("hold", "--boat", "esso_osaka", "--out", "far"), "bow in a current or wind")
@@ -78,6 +80,18 @@ def test_a_station_is_held_and_one_that_cannot_be_is_refused(call: Call, tmp_pat
         assert_complains(call(*verb, "--current", "400", "--out", "far"), "--current", "at most 20")
         assert_complains(call(*verb, "--wind", "inf", "--out", "far"), "--wind", "at most 60")
     assert not (tmp_path / "far").exists()
+
+
+def test_a_station_that_is_lost_in_gusts_ends_with_that_verdict(call: Call, tmp_path: Path) -> None:
+    failed = ("--failed", "bs", "--failed", "bp", "--failed", "sp")
+    sea = ("--current", 0.3, "--wind", 4, "--disturbances", "standard")
+    code, message, _ = call("hold", *failed, *sea, "--out", "out")
+    with (tmp_path / "out/analysis/track.csv").open() as file:
+        late = [float(row["distance"]) for row in csv.DictReader(file) if float(row["time"]) >= 30.0]
+    near = sum(distance < 1.24 for distance in late) / len(late)
+    assert code == 0 and near < 0.95
+    assert "\nnot held: for less than 95 % of the time" in message
+    assert "not held" in (tmp_path / "out/analysis/report.md").read_text()
 
 
 def test_what_cannot_be_followed_leaves_nothing(call: Call, tmp_path: Path) -> None:
