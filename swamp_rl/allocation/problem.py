@@ -78,6 +78,8 @@ def solve_in(
         program.achieve(wanted)
     program.minimise(wish, before, SLIGHT if nearest else 1.0)
     x = program.solved()
+    if x is None and nearest:  # the squares of many newtons pass for a limit that cannot be kept
+        x = program.solved(1.0 / float(jets.thrust_max.sum()) ** 2)
     if x is None:
         return None
     forces = np.zeros((len(jets.names), 2))
@@ -224,8 +226,8 @@ class Program:
             )
             self.linear[power] = weight
 
-    def solved(self) -> Array | None:
-        """The best x, or None where nothing satisfies the limits."""
+    def solved(self, unit: float = 1.0) -> Array | None:
+        """The best x, or None where nothing satisfies the limits; what is minimised counts in this unit."""
         import clarabel
 
         n = self.columns
@@ -241,7 +243,9 @@ class Program:
         good = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
         stuck = (clarabel.SolverStatus.InsufficientProgress, clarabel.SolverStatus.NumericalError)
         for scaled in (True, False):  # the scaling itself stops a few problems short of their answer
-            answer = clarabel.DefaultSolver(P, q, A, b, self.cones, solver_settings(scaled)).solve()
+            answer = clarabel.DefaultSolver(
+                unit * P, unit * q, A, b, self.cones, solver_settings(scaled)
+            ).solve()
             if answer.status not in stuck:
                 break
         return np.array(answer.x) if answer.status in good else None
