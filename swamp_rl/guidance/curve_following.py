@@ -17,7 +17,7 @@ from swamp_rl.guidance.servo import VelocityServo
 Array = NDArray[np.float64]
 
 # Of a boat as long as SWAMP; others by Froude's law.
-LEAD = 1.6  # s by which the curve's own yaw rate is read ahead: the lag of the yaw loop and of the boat
+LEAD = 1.0  # s by which the curve's own yaw rate is read ahead: the lag of the yaw loop and of the boat
 DRIFT_TIME = 0.5  # s over which the drift angle is averaged
 CATCHING = 0.2  # 1/s, speed over the leader's per metre of the gap
 SHARE = 0.8  # of the greatest yaw rate that a bend may ask for

@@ -67,6 +67,19 @@ def test_fixed_thrusters_at_full_thrust_still_turn_the_boat_onto_its_path(tmp_pa
     assert np.abs(along_and_across(curve, flight.track, boat.length)[:, 1]).max() < boat.length
 
 
+@pytest.mark.parametrize("kind", ["azimuth", "twin-fixed"])
+def test_a_boat_does_not_weave_on_a_straight_path_at_nearly_its_top_speed(tmp_path: Path, kind: Kind) -> None:
+    boat = new_boat(tmp_path, kind, 1.2)
+    bend = arc(np.zeros(2), 0.0, 8.0 * boat.length, math.radians(60.0))
+    end, course = bend[0][-1], float(bend[1][-1])
+    ahead = np.linspace(0.0, 40.0 * boat.length, 80)[:, None] * [math.cos(course), math.sin(course)]
+    curve = joined([bend, (end + ahead, np.full(80, course), np.zeros(80))])
+    flight = follow(boat, curve, 0.95 * reference_of(boat).speed)
+    across = along_and_across(curve, flight.track, boat.length)[:, 1]
+    assert flight.completed
+    assert np.abs(across[-len(across) // 4 : -1]).max() < 0.02 * boat.length  # the last is beyond the end
+
+
 def test_a_boat_follows_a_vehicle_at_its_distance_on_its_way() -> None:
     boat, path = load_boat("swamp"), load_path("river")[0]
     curve, time = path.curve(), np.arange(0.0, 120.0, 0.1)

@@ -47,4 +47,6 @@ def test_the_bandwidth_of_a_large_boat_is_lower_by_froudes_law(tmp_path: Path) -
     large = servo_of(new_boat(tmp_path, "azimuth", 4.0 * 1.24))
     assert large.bandwidth == pytest.approx(np.array(BANDWIDTH) / 2.0)
     assert servo_of(load_boat("swamp")).bandwidth.tolist() == list(BANDWIDTH)
+    assert large.bandwidth_at(0.1) == pytest.approx(large.bandwidth)
+    assert large.bandwidth_at(4.0)[2] == pytest.approx(2.0 * large.bandwidth_at(2.0)[2])
     assert math.isfinite(float(large.inertia.min()))
