@@ -87,7 +87,7 @@ def too_fast(pace: BehindVehicle, length: float) -> str:
         return ""
     return (
         f"note: the vehicle moves at {speed:.3g} m/s, above {pace.fastest:.3g} m/s, the boat's top speed in "
-        f"still water; the boat falls at least {lost:.3g} m behind"
+        f"still water; the boat falls about {lost:.2g} m behind"
     )
 
 
