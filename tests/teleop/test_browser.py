@@ -54,6 +54,13 @@ setInterval(() => {
 }, 10);
 """
 
+TAP = """(b) => new Promise((done) => {
+  const often = requestAnimationFrame, button = pads[0].buttons[b];
+  window.requestAnimationFrame = (f) => setTimeout(() => f(performance.now()), 600);
+  setTimeout(() => { button.pressed = true; }, 100);
+  setTimeout(() => { button.pressed = false; window.requestAnimationFrame = often; done(); }, 250);
+})"""
+
 FREEZE = """
 () => { setTimeout(() => { const until = performance.now() + 2000; while (performance.now() < until); }, 0); }
 """
@@ -191,6 +198,7 @@ def wait_for_a_look_at_the_pads(page: Page) -> None:
     page.wait_for_function("(looks) => padLooks > looks + 1", arg=page.evaluate("padLooks"))
 
 
+PAD = {"retry": 2, "discard": 1, "accept": 0}
 WAYS = {
     "button": {
         name: (lambda page, name=name: page.click(f"#{name}")) for name in ("retry", "discard", "accept")
@@ -199,9 +207,9 @@ WAYS = {
         name: (lambda page, key=key: page.keyboard.press(key))
         for name, key in {"retry": "r", "discard": "Delete", "accept": "Enter"}.items()
     },
-    "gamepad": {
-        name: (lambda page, button=button: press_pad(page, button))
-        for name, button in {"retry": 2, "discard": 1, "accept": 0}.items()
+    "gamepad": {name: (lambda page, button=button: press_pad(page, button)) for name, button in PAD.items()},
+    "tap between two pictures": {
+        name: (lambda page, button=button: page.evaluate(TAP, button)) for name, button in PAD.items()
     },
 }
 

@@ -181,7 +181,7 @@ function stop() {
 }
 
 listen(command, (name) => { if (name !== "accept" || frame?.phase === "ended") act(name); });
-setInterval(command, HEARTBEAT / 2);
+setInterval(look, HEARTBEAT / 2);
 addEventListener("gamepadconnected", ({ gamepad }) => {
   if (gamepad.mapping !== "standard") say("Gamepad of an unknown layout: axis 2 is the throttle, axis 3 steers. If the boat turns by itself, unplug it.");
 });
@@ -237,12 +237,17 @@ function betweenPanels(phase) {
   return { left: throttle.right, right, top, bottom: middle - GAP };
 }
 
+// A button may go down and up again between two pictures of a slow screen.
+function look() {
+  padActs().forEach((name) => act(name));
+  command();
+}
+
 function draw(now) {
   requestAnimationFrame(draw);
   const elapsed = Math.min(0.1, (now - last) / 1000);
   last = now;
-  padActs().forEach((name) => act(name));
-  command();
+  look();
   const [title, line] = headline();
   const banner = by("banner");
   if (banner.children[0].textContent !== title) banner.children[0].textContent = title;
