@@ -16,7 +16,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import write_beside
 from swamp_rl.ordinary import contents
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
-from swamp_rl.runs.text_header import TEXTS, HeaderError, number_in, read_header, unquoted
+from swamp_rl.runs.text_header import TEXTS, HeaderError, number_in, other_columns, read_header, unquoted
 
 DECIMAL_COMMA = r"^(\s*[-+]?\d*),(\d+(?:[eE][-+]?\d+)?\s*)$"
 FORMATS = ("csv", "parquet")
@@ -149,10 +149,7 @@ def _with_points(data: pa.Table) -> pa.Table:
 
 
 def _odd_header(row: pa.csv.InvalidRow) -> str:
-    return (
-        f"its first line names {row.expected_columns} columns, line {row.number} has {row.actual_columns} "
-        "values; the first line must name the columns, remove what stands before it"
-    )
+    return other_columns(row.expected_columns, row.number, row.actual_columns)
 
 
 def _odd_row(row: pa.csv.InvalidRow) -> str:

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from swamp_rl.counted import counted
 from swamp_rl.ordinary import ordinary
 
 TEXTS = (".csv", ".tsv", ".txt", ".dat", ".log")
@@ -54,13 +55,18 @@ def read_header(text: bytes) -> Header:
         separator = "\t"
     if len(names) == 1 and (later := _first_row(head.splitlines()[1:])):
         number, values = later
-        raise HeaderError(
-            f"its first line names 1 column, line {number + 2} has {values} values; the first line must name "
-            "the columns, remove what stands before it"
-        )
+        raise HeaderError(other_columns(1, number + 2, values))
     if _are_values(names):
         raise HeaderError("its first line holds numbers; the first line must name the columns, add one")
     return Header(names, separator, text)
+
+
+def other_columns(names: int, number: int, values: int) -> str:
+    """What is wrong with a first line that names not as many columns as line `number` has values."""
+    return (
+        f"its first line names {counted(names, 'column')}, line {number} has {values} values; the first line "
+        "must name the columns, remove what stands before it"
+    )
 
 
 def _cells(head: str) -> tuple[list[str], str]:
