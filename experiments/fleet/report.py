@@ -12,13 +12,13 @@ from swamp_rl.experiments.fleet.words import (
     equivalents,
     listed,
     not_kept,
-    shown_unit,
     warning_sentence,
     weather_sentence,
     weather_words,
 )
 
 from swamp_rl.counted import counted
+from swamp_rl.criticism.report.words import in_degrees
 from swamp_rl.digits import digits, known
 from swamp_rl.html_page import document, minus, plain, prose, table
 
@@ -135,7 +135,7 @@ def _shared(fleet: Fleet) -> str:
 def _drifts(fleet: Fleet) -> str:
     rows = []
     for one in fleet.drifts:
-        factor, unit = shown_unit(one.unit)
+        factor, unit = in_degrees(one.unit)
         values = "; ".join(
             f"{name} " + minus(f"{known(factor * value, error, 6)} ± {digits(error, 2)}")
             for name, value in one.values.items()

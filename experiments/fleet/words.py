@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from swamp_rl.experiments.fleet.result import Change, Fleet, MemberCause, SharedCause
 
 from swamp_rl.counted import and_others, counted
-from swamp_rl.criticism.report.words import readable, written
+from swamp_rl.criticism.report.words import in_degrees, readable
 from swamp_rl.criticism.result import Estimate
 from swamp_rl.digits import digits, known
 from swamp_rl.html_page import minus, places_of
@@ -46,14 +46,9 @@ def cause_words(one: MemberCause) -> str:
     return ": ".join([name, " ".join([*parts, ", ".join(values)])]) if values else name
 
 
-def shown_unit(unit: str) -> tuple[float, str]:
-    """Factor from a unit and the one that it is shown in, degrees for rad."""
-    return (180.0 / math.pi, "degrees") if unit == "rad" else (1.0, written(unit))
-
-
 def estimate_words(given: Estimate) -> str:
     """Value, standard error and unit, angles in degrees; no error at a bound of the fit."""
-    factor, unit = shown_unit(given.unit)
+    factor, unit = in_degrees(given.unit)
     value, error = factor * given.value, factor * given.standard_error
     if not given.identifiable:
         return "not determined by these runs"
@@ -137,7 +132,7 @@ def outcome_lines(fleet: Fleet) -> list[str]:
     lines = boat_lines(fleet)
     lines += [f"{shared_words(one, fleet)}: {', '.join(one.boats)}" for one in fleet.shared]
     for drift in fleet.drifts:
-        factor, unit = shown_unit(drift.unit)
+        factor, unit = in_degrees(drift.unit)
         values = ", ".join(f"{name} {factor * value:.3g}" for name, value in drift.values.items())
         what = f"{effect_words(drift.cause)} {drift.parameter.replace('_', ' ')} differs"
         lines.append(f"{drift.boat}: {what}{f' [{unit}]' if unit else ''}: {values}")

@@ -218,6 +218,11 @@ def shown_unit(channel: str) -> tuple[float, str]:
     return (180.0 / math.pi, unit.replace("rad", "degrees")) if "rad" in unit else (1.0, unit)
 
 
+def in_degrees(unit: str) -> tuple[float, str]:
+    """Factor from a parameter's unit, and the unit that it is written in: degrees for an angle."""
+    return (180.0 / math.pi, "degrees") if unit == "rad" else (1.0, written(unit))
+
+
 def closeness(verdict: str) -> str:
     """The reading of the table of explanations."""
     if verdict == "unexplained":
@@ -277,11 +282,11 @@ def spread_sets(cause: Cause) -> list[tuple[str, str, str, str]]:
     """Name, value, 95 % interval and unit of each standard deviation between groups."""
     rows = []
     for name, one in cause.spread.items():
-        factor, unit = (180.0 / math.pi, "degrees") if one.unit == "rad" else (1.0, one.unit)
+        factor, unit = in_degrees(one.unit)
         value, low, high = (plain(factor * number) for number in (one.value, one.low, one.high))
         between = "days" if cause.scope == "day" else "runs"
         label = f"standard deviation of {name.replace('_', ' ')} between {between}"
-        rows.append((label, value, f"{low} to {high}", written(unit)))
+        rows.append((label, value, f"{low} to {high}", unit))
     return rows
 
 
@@ -310,19 +315,19 @@ def number_cells(estimate: Estimate) -> tuple[str, str, str]:
     """Value, 95 % interval and unit, angles in degrees; without an interval at a bound of the fit, and where
     the runs do not determine it. An interval of an angle is at most the whole circle.
     """
-    factor, unit = (180.0 / math.pi, "degrees") if estimate.unit == "rad" else (1.0, estimate.unit)
+    factor, unit = in_degrees(estimate.unit)
     shown = plain(factor * estimate.value)
     if not estimate.identifiable:
-        return shown, "not determined by these runs", written(unit)
+        return shown, "not determined by these runs", unit
     if estimate.at_bound:
         way = f": {estimate.limit.replace('_', ' ')} {shown}" if estimate.limit else ", no interval"
-        return shown, f"at the bound of the fit{way}", written(unit)
+        return shown, f"at the bound of the fit{way}", unit
     value, reach = factor * estimate.value, factor * Z95 * estimate.standard_error
     known = reach > 0.0 and math.isfinite(reach)
     places = min(6, max(0, 1 - math.floor(math.log10(reach)))) if known else 2
     low, middle, high = (minus(f"{v:.{places}f}") for v in (value - reach, value, value + reach))
     whole = estimate.unit == "rad" and Z95 * estimate.standard_error >= math.pi
-    return middle, "the whole circle" if whole else f"{low} to {high}", written(unit)
+    return middle, "the whole circle" if whole else f"{low} to {high}", unit
 
 
 def written(unit: str) -> str:
