@@ -9,12 +9,10 @@ as a CSV file for each topic.
 import argparse
 from pathlib import Path
 
-from benchmarks.boat_fit.tables import error_table, findings, number_table, thrust_table
+from benchmarks.boat_fit.tables import doctor_lines, error_table, findings, number_table, thrust_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat.estimate import annotated, boat_file
 from swamp_rl.boat_fit.identify import identify_boat
-from swamp_rl.doctor.examine import examine
-from swamp_rl.doctor.read import read_records
 from swamp_rl.files import write_yaml
 from swamp_rl.logs.import_logs import Reading, import_logs
 from swamp_rl.logs.mapping import mapping_of
@@ -58,12 +56,6 @@ def imported(source: Path, boat: Path, out: Path, earlier: float) -> Path:
     wishes = Wishes(resample=RATE, bad_rows="split", fill=FILL, earlier=earlier)
     import_logs(sorted(source.iterdir()), "csv", out, About(boat=str(boat), notes=NOTES), wishes, reading)
     return out
-
-
-def doctor_lines(dataset: Path) -> str:
-    """What `runs doctor` finds, a line each."""
-    records = read_records(dataset, None)
-    return "\n".join(f"* {finding}" for finding in examine(records.runs, records.boat, records.measured))
 
 
 def main() -> None:

@@ -12,10 +12,10 @@ import csv
 from pathlib import Path
 
 import numpy as np
+from swamp_rl.experiments.fleet.words import estimate_words
 from swamp_rl.experiments.reports.experiment import table
 
-from benchmarks.boat_fit.ferry import doctor_lines
-from benchmarks.boat_fit.tables import error_table, findings, number_table
+from benchmarks.boat_fit.tables import doctor_lines, error_table, findings, number_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat.estimate import annotated, boat_file
@@ -144,7 +144,7 @@ def causes_table(found: Diagnosis) -> str:
     rows = [
         [
             f"`{readable(cause.label)}`",
-            ", ".join(f"{p.value:.3g} ± {p.standard_error:.2g} {p.unit}" for p in own.values()),
+            ", ".join(estimate_words(one) for one in own.values()),
             share_text(cause, found),
         ]
         for cause in found.causes

@@ -1,6 +1,7 @@
 """The tables of a page on a measured boat."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
@@ -17,6 +18,8 @@ from swamp_rl.criticism.likelihood.prediction_error import (
     without_thrust,
 )
 from swamp_rl.criticism.report.evidence import TRIVIAL
+from swamp_rl.doctor.examine import examine
+from swamp_rl.doctor.read import read_records
 
 SHOWN = 5.0  # s, horizon of the table by run
 PREDICTORS = ["identified with gains", "without gains", *(name.replace("_", " ") for name in TRIVIAL)]
@@ -89,3 +92,9 @@ def findings(found: Identification) -> str:
     return "\n".join(
         f"* {line}" for line in [*summary(found), held_out_sentence(found), gains_sentence(found)]
     )
+
+
+def doctor_lines(dataset: Path) -> str:
+    """What `runs doctor` finds, a line each."""
+    records = read_records(dataset, None)
+    return "\n".join(f"* {finding}" for finding in examine(records.runs, records.boat, records.measured))
