@@ -22,7 +22,7 @@ from swamp_rl.boat.estimate import annotated, boat_file
 from swamp_rl.boat_fit.identify import errors_on, identify_boat
 from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.diagnose import diagnose
-from swamp_rl.criticism.report.evidence import share_text
+from swamp_rl.criticism.report.evidence import carry_over_sentence, share_text
 from swamp_rl.criticism.report.words import parameter_sets, readable
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.errors import UserError
@@ -140,7 +140,7 @@ def figures_table(runs: Path, boat: Boat) -> str:
 
 
 def causes_table(found: Diagnosis) -> str:
-    """The causes that a diagnosis names."""
+    """The causes that a diagnosis names, those that do not carry over, and what it does not distinguish."""
     rows = [
         [
             f"`{readable(cause.label)}`",
@@ -150,9 +150,13 @@ def causes_table(found: Diagnosis) -> str:
         for cause in found.causes
         for _, own in parameter_sets(cause)
     ]
-    return f"The verdict is `{found.verdict}`.\n\n" + table(
-        ["cause", "value ± standard error", "share"], rows
-    )
+    lacking = carry_over_sentence(found) or "all causes carry over."
+    lines = [f"The verdict is `{found.verdict}`; {lacking}"]
+    lines += [
+        f"Explanations that are not distinguished: {'; '.join(map(readable, names))}."
+        for names in found.indistinguishable
+    ]
+    return "\n\n".join([*lines, table(["cause", "value ± standard error", "share"], rows)])
 
 
 def main() -> None:
