@@ -27,7 +27,7 @@ def new(
         ),
     ],
     length: Annotated[float, typer.Option(help="Length of the hull at the waterline (m).")],
-    breadth: Annotated[float, typer.Option(help="Breadth of the hull, over both demihulls (m).")],
+    breadth: Annotated[float, typer.Option(help="Breadth of the boat, over both hulls (m).")],
     mass: Annotated[float, typer.Option(help="Mass in operating condition (kg).")],
     thrust: Annotated[float, typer.Option(help="Total bollard pull, full ahead (N).")],
     top_speed: Annotated[
@@ -35,6 +35,10 @@ def new(
     ] = None,
     draught: Annotated[
         float | None, typer.Option(help="Draught of the hull (m); estimated by default.")
+    ] = None,
+    demihull: Annotated[
+        float | None,
+        typer.Option(help="Breadth of each of two hulls (m), of a catamaran; one hull by default."),
     ] = None,
     fin: Annotated[
         float | None,
@@ -46,7 +50,7 @@ def new(
     import re
     import shlex
 
-    from swamp_rl.experiments.reports.boat_check import turning_warning
+    from swamp_rl.experiments.reports.boat_check import raft_warning, turning_warning
 
     from swamp_rl.boat import load_boat
     from swamp_rl.boat.estimate import annotated, boat_file, of_sizes
@@ -62,7 +66,7 @@ def new(
     refuse_suffix("--out", path, ".yaml", ".yml")
     if path.exists():
         raise UserError(f"{path}: already exists; name another, or remove it")
-    content = boat_file(name, kind, length, breadth, mass, thrust, top_speed, draught, fin)
+    content = boat_file(name, kind, length, breadth, mass, thrust, top_speed, draught, fin, demihull)
     with write_beside(path) as part:
         part.write_text(annotated(content, HEAD.format(name=name, kind=kind)), encoding="utf-8")
         try:
@@ -72,10 +76,10 @@ def new(
     draught, quoted = content["draught"]["value"], shlex.quote(str(path))
     typer.echo(f"{path}: {kind}, draught {draught:.3g} m; check it with: swamp-rl boat check {quoted}")
     try:
-        warning = turning_warning(load_boat(path))
+        warnings = [raft_warning(load_boat(path)), turning_warning(load_boat(path))]
     except UserError as error:
-        warning = str(error).splitlines()[0]
-    if warning:
+        warnings = [str(error).splitlines()[0]]
+    for warning in filter(None, warnings):
         typer.echo(f"{path}: warning: {warning}")
 
 

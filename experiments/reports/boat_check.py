@@ -30,6 +30,7 @@ REPORT = "check.md"
 THROTTLES = (0.2, 0.4, 0.6, 0.8, 1.0)
 STEEREST = math.radians(35.0)
 TURNS = 2
+FLATTEST = 20.0  # breadth over draught of one hull: skiffs have up to 17, catamarans taken as one 22 and more
 MEASURED = 10.0  # √(L/g) over which a steady speed is measured
 
 
@@ -48,6 +49,16 @@ def sail(boat: Boat) -> list[Result]:
     except UserError:
         pass  # no stopping trial: the report then has none
     return [analyse_run(run, boat) for run in runs_of_trials(execute(boat, trials), boat, 0)]
+
+
+def raft_warning(boat: Boat) -> str | None:
+    """A line where an estimated boat of one hull is as flat as only two hulls taken as one are, else None."""
+    if boat.hull.spacing > 0.0 or boat.breadth <= FLATTEST * boat.draught:
+        return None
+    return (
+        f"draught {boat.draught:.3g} m is 1/{boat.breadth / boat.draught:.0f} of the breadth, flatter than "
+        "one hull is; of a catamaran give the breadth of each hull with --demihull"
+    )
 
 
 def turning_warning(boat: Boat) -> str | None:

@@ -16,6 +16,7 @@ from swamp_rl.boat.estimate_drive import (
     thrusters_of,
 )
 from swamp_rl.boat.estimate_hull import (
+    ATHWART,
     BLOCK,
     GYRATION,
     added_masses,
@@ -69,6 +70,7 @@ SPREADS = {
     "c_ry": 0.4,
     "c_rn": 0.4,
 }
+OF_TWO = 2.0  # times these for two hulls: the regressions are of one, in undisturbed water
 SOURCES = {
     "x_vr": "Yoshimura and Masumoto 2012, 1.91 C_B B/L - 0.08",
     "y_v": "Kijima 1990, -(π k/2 + 1.4 C_B B/L), k = 2 d/L",
@@ -91,16 +93,18 @@ def boat_file(
     top_speed: float | None = None,
     draught: float | None = None,
     fin: float | None = None,
+    demihull: float | None = None,
 ) -> dict[str, Any]:
     """The content of a boat file, each number `assumed`, with its source and the width `sd` of its prior.
 
     kind: one of KINDS; length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full
     ahead at rest; top_speed [m/s]: what it gives; fin [m²]: lateral area of skeg, fin or lower unit at the
-    stern, none by default. UserError for a number beyond RANGE, for a top speed beyond
-    the Froude number that the simulator holds for, and for dimensions and a mass that no boat has.
+    stern, none by default; demihull [m]: breadth of each of two hulls, one hull by default. UserError for a
+    number beyond RANGE, for a top speed beyond the Froude number that the simulator holds for, and for
+    dimensions and a mass that no boat has.
     """
     asked: dict[str, float | None] = {"length": length, "breadth": breadth, "mass": mass}
-    asked |= {"thrust": thrust} | {"top-speed": top_speed, "draught": draught, "fin": fin}
+    asked |= {"thrust": thrust, "top-speed": top_speed, "draught": draught, "fin": fin, "demihull": demihull}
     for word, value in asked.items():
         if value is not None and not RANGE[0] <= value <= RANGE[1]:
             raise UserError(
@@ -114,7 +118,9 @@ def boat_file(
         )
     if kind not in KINDS:
         raise UserError(f"--kind {kind}: must be one of {', '.join(KINDS)}")
-    sizes = _sizes(kind, length, breadth, mass, thrust, top_speed, draught)
+    if demihull is not None and not 2.0 * demihull < breadth:
+        raise UserError(f"--demihull {demihull:g}: two such hulls do not fit in --breadth {breadth:g}")
+    sizes = _sizes(kind, length, breadth, mass, thrust, top_speed, draught, demihull)
     if fin is not None and fin > LARGEST_FIN * length * sizes.draught:
         raise UserError(
             f"--fin {fin:g}: is more than {LARGEST_FIN:g} of the hull's own lateral area, "
@@ -150,26 +156,32 @@ def _sizes(
     thrust: float,
     top_speed: float | None,
     draught: float | None,
+    demihull: float | None,
 ) -> Sizes:
-    block = BLOCK if draught is None else mass / (DENSITY * length * breadth * draught)
-    depth = draught_of(mass, length, breadth, DENSITY) if draught is None else draught
+    afloat = breadth if demihull is None else 2.0 * demihull
+    block = BLOCK if draught is None else mass / (DENSITY * length * afloat * draught)
+    depth = draught_of(mass, length, afloat, DENSITY) if draught is None else draught
     speed = top_speed or speed_of_thrust(length, mass, (1.0 - loss_at_speed(kind)) * thrust)
-    return Sizes(length, breadth, depth, mass, block, DENSITY, thrust, speed)
+    return Sizes(length, breadth, depth, mass, block, DENSITY, thrust, speed, demihull or breadth)
 
 
 def _particulars(sizes: Sizes, floats: bool) -> dict[str, Any]:
     """The dimensions, the mass and the inertias; floats: whether the draught is an estimate."""
     length, breadth, draught, mass = sizes[:4]
-    inertia = mass * (GYRATION * length) ** 2
-    surge, sway, yaw = added_masses(mass, length, breadth, draught)
+    inertia = mass * ((GYRATION * length) ** 2 + (ATHWART * sizes.spacing) ** 2)
+    gyration = "radius of gyration 0.25 L, ITTC" + (
+        ", and 0.25 S abeam, SWAMP's CAD" if sizes.spacing else ""
+    )
+    surge, sway, yaw = added_masses(mass, length, sizes.demihull, draught)
+    yaw += surge * (0.5 * sizes.spacing) ** 2  # each demihull at S/2 beside its own turning
     source = f"floats at C_B = {BLOCK:g}, small craft 0.35 to 0.65" if floats else GIVEN
-    lamb = "Lamb 1932, ellipsoid of L, B, d"
+    lamb = "Lamb 1932, ellipsoid of L, B, d" + (" of each demihull" if sizes.spacing else "")
     return {
         "length": assumed(length, "m", GIVEN, 0.02 * length),
         "breadth": assumed(breadth, "m", GIVEN, 0.02 * breadth),
         "draught": assumed(draught, "m", source, (0.25 if floats else 0.05) * draught),
         "mass": assumed(mass, "kg", GIVEN, 0.05 * mass),
-        "inertia_z": assumed(inertia, "kg m2", "radius of gyration 0.25 L, ITTC", 0.3 * inertia),
+        "inertia_z": assumed(inertia, "kg m2", gyration, 0.3 * inertia),
         "x_g": assumed(0.0, "m", "ours, amidships", 0.03 * length),
         "added_mass_surge": assumed(-surge, "kg", lamb, max(surge, 0.05 * mass)),
         "added_mass_sway": assumed(-sway, "kg", lamb, 0.4 * sway),
@@ -179,13 +191,14 @@ def _particulars(sizes: Sizes, floats: bool) -> dict[str, Any]:
 
 
 def _hull(sizes: Sizes, fin: float | None) -> dict[str, Any]:
-    found = hull_derivatives(sizes.length, sizes.breadth, sizes.draught, sizes.block)
+    found = hull_derivatives(sizes.length, sizes.demihull, sizes.draught, sizes.block)
     added = {} if fin is None else fin_derivatives(fin, sizes.length, sizes.draught)
-    hull = {}
+    hull, wider = {}, OF_TWO if sizes.spacing else 1.0
     for name, value in found.items():
         source = SOURCES[name] + (f"; a fin of {fin:g} m2 aft, Fujii 1961" if name in added else "")
-        hull[name] = assumed(value + added.get(name, 0.0), "1", source, SPREADS[name])
-    return hull | {"spacing": assumed(0.0, "m", "one hull, or two taken as one", 0.1 * sizes.breadth)}
+        hull[name] = assumed(value + added.get(name, 0.0), "1", source, wider * SPREADS[name])
+    apart = "breadth less that of a demihull" if sizes.spacing else "one hull, or two taken as one"
+    return hull | {"spacing": assumed(sizes.spacing, "m", apart, 0.1 * sizes.breadth)}
 
 
 def annotated(content: Mapping[str, Any], head: str) -> str:

@@ -23,6 +23,7 @@ K_T = (0.3278, -0.3323, -0.156)  # of a propeller with P/D = 0.72
 PITCH = 0.7151
 WIDEST_SCREW = 0.7  # diameter over draught, of a propeller within the depth of the hull
 WIDEST_BELOW = 0.5  # diameter over breadth, of one that reaches below the hull
+ABREAST = 0.35  # of the breadth: distance of thrusters from the centre line of one hull
 CORNERS = (
     ("bow_port", 1.0, -1.0),
     ("bow_starboard", 1.0, 1.0),
@@ -48,6 +49,7 @@ class Sizes(NamedTuple):
     """length, breadth, draught [m], mass [kg], block coefficient [1], water density [kg/m3] of a boat.
 
     thrust [N]: of all thrusters together, full ahead at rest; speed [m/s] that it reaches then.
+    demihull [m]: breadth of each of two hulls, the breadth of the boat where it has one.
     """
 
     length: float
@@ -58,6 +60,17 @@ class Sizes(NamedTuple):
     water_density: float
     thrust: float
     speed: float
+    demihull: float
+
+    @property
+    def spacing(self) -> float:
+        """Distance [m] of the centre planes of two hulls, 0 of one."""
+        return self.breadth - self.demihull
+
+    @property
+    def abreast(self) -> float:
+        """Distance [m] of thrusters from the centre line: on the centre planes of two hulls."""
+        return 0.5 * self.spacing or ABREAST * self.breadth
 
     @property
     def passing(self) -> float:
@@ -96,7 +109,7 @@ def resistance_section(kind: str, sizes: Sizes, source: str) -> dict[str, Any]:
 
 def thrusters_of(kind: str, sizes: Sizes) -> list[dict[str, Any]]:
     """Sections of `thrusters` of a kind of drive, each with an equal part of the thrust."""
-    length, breadth = sizes.length, sizes.breadth
+    length = sizes.length
     if kind in FIXED:
         reach, angle, places = FIXED[kind]
         return [
@@ -105,7 +118,7 @@ def thrusters_of(kind: str, sizes: Sizes) -> list[dict[str, Any]]:
                 kind,
                 name,
                 1.0 / len(places),
-                (end * reach * length, side * 0.35 * breadth),
+                (end * reach * length, side * sizes.abreast),
                 _fixed(-end * side * angle),
                 ASTERN,
                 math.cos(angle),
@@ -116,7 +129,7 @@ def thrusters_of(kind: str, sizes: Sizes) -> list[dict[str, Any]]:
         turning = {"kind": "azimuth", **_servo(TURN_RATE, sizes)}
         share = 1.0 / len(AZIMUTHS[kind])
         return [
-            _pushing(sizes, kind, name, share, (end * 0.4 * length, side * 0.35 * breadth), turning, 0.0)
+            _pushing(sizes, kind, name, share, (end * 0.4 * length, side * sizes.abreast), turning, 0.0)
             for name, end, side in AZIMUTHS[kind]
         ]
     if kind == "propeller-rudder":
@@ -260,7 +273,7 @@ def _propeller(sizes: Sizes, diameter: float) -> dict[str, Any]:
 
 def _rudder(sizes: Sizes) -> dict[str, Any]:
     """DNV's least area L d (1 + 25 (B/L)²)/100; the interaction by Yoshimura and Masumoto's regressions."""
-    f = fullness(sizes.block, sizes.length, sizes.breadth)
+    f = fullness(sizes.block, sizes.length, sizes.demihull)
     area = sizes.length * sizes.draught * (1.0 + 25.0 * (sizes.breadth / sizes.length) ** 2) / 100.0
     gamma, epsilon = 2.06 * f + 0.14, 2.26 - 1.82 * (1.0 - _wake(sizes)[0])
     return {

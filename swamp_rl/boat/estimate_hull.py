@@ -14,6 +14,8 @@ FIN_ASPECT = 1.5  # span over chord of a skeg, a fin or a lower unit, ours, as o
 FIN_AT = -0.5  # of the length forward of midship: the stern
 BLOCK = 0.5  # C_B of small craft, 0.35 to 0.65
 GYRATION = 0.25  # radius of gyration in yaw over the length
+# the same abeam over the distance of two hulls: SWAMP's 7.88 kg m2 of 58 kg, less 0.25 L, of 0.8 m
+ATHWART = 0.25
 LOWEST, FULLEST = 0.07, 0.25  # C_B B/L at the ends of the database of Yoshimura and Masumoto
 SHALLOWEST_TURN = 0.27  # k beyond which Kijima's N'_r falls again: there his regression ends
 # B/(2d) and C_D
