@@ -153,7 +153,7 @@ def _hull(boat: Boat, of: Reference) -> Iterable[Number]:
         sd = 0.3 if name in ("c_ry", "c_rn") else 0.4 * abs(start) + DERIVATIVE
         high = 0.0 if name in ("y_v", "n_r") and start <= 0.0 else math.inf
         # The hull of the cross flow is alike fore and aft: C_rY and -C_rY give one sway force.
-        low = 0.0 if name == "c_ry" and start >= 0.0 else -math.inf
+        low = 0.0 if name in ("c_ry", "c_rn") and start >= 0.0 else -math.inf
         yield Number(f"hull.{name}", "1", name, start, sd, trial, low=low, high=high)
     if record["c_d"] > 0.0:
         yield _share("hull.c_d", "1", "c_d", float(record["c_d"]), 0.4, "tight turns")

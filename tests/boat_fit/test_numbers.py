@@ -350,3 +350,13 @@ def test_of_the_two_signs_of_the_cross_flow_factor_that_are_one_motion_one_is_fr
     assert forces[0] == pytest.approx(forces[1], rel=1e-12)
     (free,) = [one for one in free_numbers(boat) if one.name == "hull.c_ry"]
     assert free.bounds[0] == 0.0 < free.start
+
+
+def test_no_fit_lets_the_cross_flow_drive_a_turn_on_the_spot() -> None:
+    boat = load_boat("swamp")
+    of_tank = tank(boat)
+    (free,) = [one for one in free_numbers(boat) if one.name == "hull.c_rn"]
+    for factor in (max(free.bounds[0], -0.7), 0.5 * free.start):
+        turned = parameters(boat)[0].copy()
+        turned["c_rn"] = factor
+        assert hull_forces(0.0, 0.0, 0.8, turned, of_tank, towing(turned, of_tank))[2] <= 0.0
