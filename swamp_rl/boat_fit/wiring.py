@@ -1,6 +1,7 @@
 """Search for commands that are stamped early or late, and for exchanged and sign-flipped command channels."""
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -8,9 +9,11 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.command_offset import command_offset
+from swamp_rl.boat_fit.equation_error import LIKELIER
 from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
 from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
 from swamp_rl.boat_fit.pieces import pieces
+from swamp_rl.boat_fit.wiring_response import wiring_likelihoods
 from swamp_rl.boat_numbers.numbers import free_numbers, without_compass
 from swamp_rl.criticism.data.measurement_noise import weights
 from swamp_rl.criticism.data.run_set import RunSet
@@ -84,13 +87,14 @@ def search_wiring(run_set: RunSet, noise: Array, positions: bool = False) -> Wir
 
     First the offset of the clocks by equation error, which no wiring moves. With none and with that one, of
     up to MOST_TOGETHER possible changes every combination is fitted, of more the best one change after
-    another; then other delays of the commands, and commands taken earlier. noise: (6,) of the sensors.
+    another, but none that is far less likely than no change by equation error in all runs; then other delays
+    of the commands, and commands taken earlier. noise: (6,) of the sensors.
     """
     part = replace(_some_runs(run_set), origin=())
     soft = soft_weights(weights(part, noise), run_set.boat)
     offset = command_offset(run_set)
     LOG.info("motion %.1f s after the commands by equation error", offset)
-    trial = _Trial(part, soft, positions)
+    trial = _Trial(part, soft, positions, whole=run_set, offset=offset)
     changes = possible_changes(run_set.boat)
     best = _best_combination if len(changes) <= MOST_TOGETHER else _one_by_one
     least, taken = best(trial, changes)
@@ -100,15 +104,26 @@ def search_wiring(run_set: RunSet, noise: Array, positions: bool = False) -> Wir
         found, others = best(late, changes)
         if found < CLEARLY * least:  # the motion of a boat under control has a period, and its half is a sign
             trial, taken = late, others
-    boat, earlier = rewired(run_set.boat, taken), trial.advance or ADVANCE
+    return _timed(trial, taken, advance or ADVANCE)
+
+
+def _timed(trial: "_Trial", taken: Sequence[Change], earlier: float) -> Wiring:
+    """The wiring with the delay of the commands that explains the runs best, or with commands taken earlier.
+
+    These are tried `earlier` [s] unless the motion follows the commands after more than lags of actuators may
+    be. Where it precedes them, they are taken earlier unless that is clearly worse.
+    """
+    boat = rewired(trial.run_set.boat, taken)
     delays = [DELAYS[0], *sorted({*DELAYS[1:], trial.delay} - {DELAYS[0]})]
-    times = [*((delay, 0.0) for delay in delays), (ADVANCE, earlier)]
-    (chi2, x), *later, (found, other) = each(lambda one: trial.fitted(boat, *one), times)
+    may_be_late = trial.offset <= LAGS
+    times = [*((delay, 0.0) for delay in delays), *[(ADVANCE, earlier)] * may_be_late]
+    (chi2, x), *later = each(lambda one: trial.fitted(boat, *one), times)
+    found, other = later.pop() if may_be_late else (math.inf, x)
     for chi2_later, x_later in later:
         chi2, x = (chi2_later, x_later) if chi2_later < CLEARLY * chi2 else (chi2, x)
-    advance = 0.0
+    enough, advance = (1.0 / CLEARLY if trial.offset < 0.0 else CLEARLY), 0.0
     delay = float(other[trial.delay_column(boat)]) if np.isfinite(found) else earlier
-    if found < CLEARLY * chi2 and earlier - delay > LATE:
+    if found < enough * chi2 and earlier - delay > LATE:
         advance = round(earlier - delay, 2)
         x = other.copy()
         x[trial.delay_column(boat)] = 0.0
@@ -125,12 +140,15 @@ def _begin(offset: float) -> tuple[float, float]:
 @dataclass
 class _Trial:
     """Quick fits of differently wired boats to the same runs, by default from `delay` [s], the commands taken
-    `advance` [s] earlier; made: those that are done.
+    `advance` [s] earlier; made: those that are done. whole: all runs, whose motion follows the commands after
+    `offset` [s].
     """
 
     run_set: RunSet
     weight: Array
     positions: bool
+    whole: RunSet
+    offset: float
     delay: float = 0.0
     advance: float = 0.0
     made: dict[tuple[bytes, float, float, int], tuple[float, Array]] = field(default_factory=dict)
@@ -213,12 +231,19 @@ def _best_of(
 
     Of wirings by which the thrusters obey the same commands in these runs, such as an exchange of equal
     commands and none, the first is tried. Only the most likely ones by a shorter fit are fitted in full, and
-    none that are far from `least` there.
+    none that are far from `least` there, or far less likely than `taken` by equation error.
     """
     distinct = {trial.obeyed(rewired(trial.run_set.boat, taken)): taken}
     for some in every:
         distinct.setdefault(trial.obeyed(rewired(trial.run_set.boat, some)), some)
-    every = list(distinct.values())[1:]
+    likely_by_response = wiring_likelihoods(
+        trial.whole, [rewired(trial.run_set.boat, some) for some in distinct.values()], trial.offset
+    )
+    every = [
+        some
+        for some, likelihood in zip(distinct.values(), likely_by_response, strict=True)
+        if likelihood >= likely_by_response[0] - LIKELIER
+    ][1:]
     boats = [rewired(trial.run_set.boat, some) for some in every]
     glance = [chi2 for chi2, _ in each(lambda boat: trial.fitted(boat, steps=1), boats)]
     likely = [i for i in np.argsort(glance)[:LIKELY] if glance[i] < FAR * least]
