@@ -29,7 +29,7 @@ def polar(rng: Rng, length: float) -> dict[str, float]:
 def drift(rng: Rng, size: float) -> dict[str, float]:
     """A current that turns into another within a run."""
     rates = polar(rng, 0.003 * size)
-    return polar(rng, 0.08) | {"north_rate": rates["north"], "east_rate": rates["east"]}
+    return polar(rng, 0.08 * size) | {"north_rate": rates["north"], "east_rate": rates["east"]}
 
 
 def swap(rng: Rng) -> list[str]:
