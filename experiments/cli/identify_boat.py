@@ -10,7 +10,7 @@ from swamp_rl.experiments.cli.options import IgnoreOption
 
 @identify_app.command("boat")
 def identify_boat(
-    dataset: Annotated[Path, typer.Argument(help="A folder of runs.")],
+    dataset: Annotated[list[Path], typer.Argument(help="Folders of runs of one boat.")],
     out: Annotated[Path, typer.Option(help="The .yaml file to write; the report goes beside it as .html.")],
     boat: Annotated[
         str | None,
@@ -29,8 +29,8 @@ def identify_boat(
     """Fit a boat file's masses, damping, thrust and lags to runs, under priors, and write the boat file."""
     from swamp_rl.runs.dataset import own_boat
 
-    boat = boat or str(own_boat(dataset))
-    typer.echo(f"identifying {boat} from {dataset}")
+    boat = boat or str(own_boat(dataset[0]))
+    typer.echo(f"identifying {boat} from {', '.join(map(str, dataset))}")
     from swamp_rl.experiments.cli.progress import progress
 
     from swamp_rl.boat_fit.identify import identify_boat as identify

@@ -67,7 +67,7 @@ class Fitted:
 def identified_mapping(
     boat: Boat, name: str, fitted: Sequence[Fitted], fitted_to: str, level: float = 1.0
 ) -> dict[str, Any]:
-    """The boat file of a fit; fitted_to: the dataset's name, for the sources; level: of the thrust [1].
+    """The boat file of a fit; fitted_to: the datasets' names, for the sources; level: of the thrust [1].
 
     A number that the data show has provenance `fitted`; another one keeps its own. What the start boat's
     effects do to numbers that were fitted is in those numbers.

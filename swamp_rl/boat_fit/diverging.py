@@ -1,7 +1,6 @@
 """The refusal of fitted numbers with which the boat's simulated motion diverges."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -13,33 +12,33 @@ FARTHEST = 3  # numbers that are named
 NEARLY = 0.9  # of a command's limit, from which runs show how the boat moves at it
 
 
-def diverging(dataset: Path, what: str, numbers: Sequence[Fitted], run_set: RunSet) -> str:
-    """The refusal of numbers fitted to runs of a dataset: how the motion diverges, the numbers farthest from
+def diverging(label: str, what: str, numbers: Sequence[Fitted], run_set: RunSet) -> str:
+    """The refusal of numbers fitted to the runs named: how the motion diverges, the numbers farthest from
     the start file, the commands that stay below their limits, and what to do.
     """
     below = [f"{name} {share:.2g}" for name, share in reached(run_set).items() if share < NEARLY]
     reach = f"; the runs reach of the limits of commands: {', '.join(below)}" if below else ""
     return (
-        f"{_of_no_boat(dataset, what, numbers)}{reach}; check the units of the runs' commands and the limits "
+        f"{_of_no_boat(label, what, numbers)}{reach}; check the units of the runs' commands and the limits "
         "in the start file, or give these numbers a smaller `sd` there"
     )
 
 
-def implausible_fit(dataset: Path, fault: str, numbers: Sequence[Fitted]) -> str:
-    """The refusal of numbers fitted to runs of a dataset that no boat file may hold: the fault, the numbers
+def implausible_fit(label: str, fault: str, numbers: Sequence[Fitted]) -> str:
+    """The refusal of numbers fitted to the runs named that no boat file may hold: the fault, the numbers
     farthest from the start file, and what to do.
     """
     return (
-        f"{_of_no_boat(dataset, fault, numbers)}; correct them in the start file, give them a smaller `sd` "
+        f"{_of_no_boat(label, fault, numbers)}; correct them in the start file, give them a smaller `sd` "
         "there, or record runs with more turns and speeds"
     )
 
 
-def _of_no_boat(dataset: Path, what: str, numbers: Sequence[Fitted]) -> str:
+def _of_no_boat(label: str, what: str, numbers: Sequence[Fitted]) -> str:
     """The fault, and the numbers farthest from the start file in its standard deviations."""
     some = sorted(numbers, key=lambda one: one.distance, reverse=True)[:FARTHEST]
     named = (f"{one.number.name} {one.number.start:.3g} to {one.value:.3g}" for one in some)
-    fault = f"{dataset}: the fitted numbers are of no boat: {what}"
+    fault = f"{label}: the fitted numbers are of no boat: {what}"
     return f"{fault}; farthest from the start file: {', '.join(named)}"
 
 

@@ -33,17 +33,15 @@ from swamp_rl.boat_fit.run_thrust import (
 from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
 from swamp_rl.boat_numbers.number import Number
 from swamp_rl.boat_numbers.numbers import COMPASS, SATURATED, free_numbers, without_compass
-from swamp_rl.criticism.data.checks import refuse_other_vehicle
-from swamp_rl.criticism.data.consistency import refuse_inconsistent
+from swamp_rl.criticism.data.inputs import Inputs, Named, inputs_of, read_inputs
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import RunSet, read_run_set
+from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.errors import UserError
 from swamp_rl.files import new_files_beside, refuse_existing, yaml_text
 from swamp_rl.one_thread import one_thread
-from swamp_rl.runs.dataset import Dataset, as_on_disk, own_boat
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.divergence import DivergenceError
 
@@ -70,38 +68,32 @@ class _FittedFile:
 
 @one_thread()
 def identify_boat(
-    dataset: Dataset | Path | str,
+    dataset: Named | Sequence[Named],
     boat: str | Path | None,
     out: Path | str,
-    holdout: Dataset | Path | str | None = None,
+    holdout: Named | None = None,
     positions: bool = False,
     ignore: Sequence[str] = (),
 ) -> Identification:
     """Fit the numbers of a boat file to runs; write the boat file `out` and a report beside it (.html).
 
-    - `dataset`, `holdout`: datasets or their folders. Errors are measured on `holdout`; without it, on every
-      third run.
-    - `boat`: name or file of the boat to start from; None for that of the dataset.
+    - `dataset`, `holdout`: datasets or their folders, `dataset` one or several of one boat. Errors are
+      measured on `holdout`; without it, on every third run.
+    - `boat`: name or file of the boat to start from; None for that of the (first) dataset.
     - `positions`: also fit the positions of the thrusters.
     - `ignore`: measured quantities that are not used (`wind`, `depth`).
 
     UserError if the data do not allow a fit, or if `out` exists.
     """
-    own = dataset.boat_file if isinstance(dataset, Dataset) else None
-    dataset, out = as_on_disk(dataset), Path(out)
-    began = time.perf_counter()
+    began, out = time.perf_counter(), Path(out)
     refuse_to_overwrite(out)
-    boat = boat or own or own_boat(dataset)
-    start = load_boat(boat)
-    holdout = as_on_disk(holdout) if holdout is not None else None
-    if holdout is not None:
-        refuse_other_vehicle(dataset, holdout)
-    LOG.info("reading %s", dataset)
-    run_set = _read(dataset, start, boat, ignore)
-    other = _read(holdout, start, boat, ignore) if holdout is not None else None
+    inputs = inputs_of(dataset, boat, holdout)
+    start = load_boat(inputs.boat)
+    LOG.info("reading %s", inputs.label)
+    run_set, other = read_inputs(inputs, start, ignore)
     data = split(run_set, other)
     with new_files_beside(out.with_suffix(REPORT), out) as (page, part):
-        made, others = _fitted_to_alike(dataset, data, positions, partial(_written, part, dataset, out.stem))
+        made, others = _fitted_to_alike(inputs, data, positions, partial(_written, part, inputs, out.stem))
         here = advanced(data.held_out, made.wiring.advance)
         alike = without(here, others.names)
         fit = made.fit
@@ -133,7 +125,7 @@ def identify_boat(
 
 
 def _fitted_to_alike(
-    dataset: Path, data: Split, positions: bool, written: Callable[[Boat, list[Fitted], ThrustLevel], Boat]
+    inputs: Inputs, data: Split, positions: bool, written: Callable[[Boat, list[Fitted], ThrustLevel], Boat]
 ) -> tuple[_FittedFile, UnlikeRuns]:
     """The fit to the training runs that have the thrust of most runs, and the runs that have another.
 
@@ -170,7 +162,7 @@ def _fitted_to_alike(
     try:
         boat = written(wiring.boat, numbers, level)
     except DivergenceError as error:
-        raise UserError(diverging(dataset, error.what, numbers, data.training)) from error
+        raise UserError(diverging(inputs.label, error.what, numbers, data.training)) from error
     return _FittedFile(wiring, made, numbers, level, boat), found
 
 
@@ -188,20 +180,20 @@ def _thrusts(data: Split, wiring: Wiring, boat: Boat) -> list[RunThrust]:
 
 
 def _written(
-    part: Path, dataset: Path, name: str, boat: Boat, numbers: list[Fitted], level: ThrustLevel
+    part: Path, inputs: Inputs, name: str, boat: Boat, numbers: list[Fitted], level: ThrustLevel
 ) -> Boat:
     """The boat of the file with these numbers and this level of the thrust, written to `part`.
 
-    UserError that names the dataset where no boat has these numbers; DivergenceError where its motion
+    UserError that names the datasets where no boat has these numbers; DivergenceError where its motion
     diverges.
     """
-    mapping = identified_mapping(boat, name, numbers, _label(dataset), level.mean)
+    mapping = identified_mapping(boat, name, numbers, inputs.names, level.mean)
     part.write_text(yaml_text(mapping), encoding="utf-8")
     try:
         made = load_boat(part)
     except UserError as error:
         fault = str(error).splitlines()[0].removeprefix(f"{part}: ")
-        raise UserError(implausible_fit(dataset, fault, numbers)) from error
+        raise UserError(implausible_fit(inputs.label, fault, numbers)) from error
     parameters(made)
     return made
 
@@ -211,16 +203,6 @@ def refuse_to_overwrite(out: Path) -> None:
     if out.suffix != SUFFIX:
         raise UserError(f"{out}: is not the name of a boat file; --out must end in {SUFFIX}")
     refuse_existing((out, out.with_suffix(REPORT)))
-
-
-def _read(folder: Path, boat: Boat, named: str | Path, ignore: Sequence[str]) -> RunSet:
-    run_set = read_run_set(folder, boat, named, ignore)
-    refuse_inconsistent(run_set, str(folder))
-    return run_set
-
-
-def _label(dataset: Path) -> str:
-    return dataset.resolve().name or "runs"
 
 
 def searched(training: RunSet, positions: bool = False) -> Wiring:

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import load_boat
 from swamp_rl.counted import counted
-from swamp_rl.criticism.data.checks import refuse_other_vehicle, refuse_sources_inside
-from swamp_rl.criticism.data.consistency import refuse_inconsistent
+from swamp_rl.criticism.data.checks import refuse_sources_inside
 from swamp_rl.criticism.data.excitation import missing_motion
+from swamp_rl.criticism.data.inputs import Named, inputs_of, read_inputs
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
+from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.boat_errors import beside_boat_errors
 from swamp_rl.criticism.inference.cause_share import (
     CauseList,
@@ -65,7 +65,6 @@ from swamp_rl.criticism.selection.model_selection import select_model
 from swamp_rl.criticism.selection.preparation import prepared
 from swamp_rl.errors import UserError
 from swamp_rl.one_thread import one_thread
-from swamp_rl.runs.dataset import Dataset, as_on_disk, own_boat
 from swamp_rl.unfinished import folder_beside
 
 Array = NDArray[np.float64]
@@ -75,10 +74,10 @@ RESULT = "diagnosis.json"
 
 @one_thread()
 def diagnose(
-    dataset: Dataset | Path | str | Sequence[Dataset | Path | str],
+    dataset: Named | Sequence[Named],
     boat: str | Path | None,
     out: Path | str,
-    holdout: Dataset | Path | str | None = None,
+    holdout: Named | None = None,
     seed: int = 0,
     ignore: Sequence[str] = (),
     twins: int = TWINS,
@@ -103,23 +102,12 @@ def diagnose(
 
     UserError if the data do not allow a diagnosis.
     """
-    given = [dataset] if isinstance(dataset, Dataset | Path | str) else list(dataset)
-    every = [as_on_disk(one) for one in given]
-    label = ", ".join(map(str, every))
-    out, holdout = Path(out), as_on_disk(holdout) if holdout is not None else None
-    LOG.info("reading %s", label)
-    first = given[0]
-    boat = boat or (first.boat_file if isinstance(first, Dataset) else own_boat(every[0]))
-    model = load_boat(boat)
-    inputs = [*every, *([holdout] if holdout else []), Path(boat)]
-    refuse_sources_inside(out, [one for one in inputs if one.exists()])
-    run_set = read_run_set(every, model, boat, ignore)
-    refuse_inconsistent(run_set, label)
-    other = read_run_set(holdout, model, boat, ignore) if holdout else None
-    if other is not None and holdout is not None:
-        for one in every:
-            refuse_other_vehicle(one, holdout)
-        refuse_inconsistent(other, str(holdout))
+    inputs, out = inputs_of(dataset, boat, holdout), Path(out)
+    LOG.info("reading %s", inputs.label)
+    model = load_boat(inputs.boat)
+    sources = [*inputs.folders, *([inputs.holdout] if inputs.holdout else []), Path(inputs.boat)]
+    refuse_sources_inside(out, [one for one in sources if one.exists()])
+    run_set, other = read_inputs(inputs, model, ignore)
     from swamp_rl.criticism.report import write_report
 
     with folder_beside(out, RESULT) as folder:
@@ -128,11 +116,13 @@ def diagnose(
             began = time.perf_counter()
             finding.diagnosis.self_trial = self_trial(run_set, finding, twins, method, seed, each)
             finding.diagnosis.elapsed_s += time.perf_counter() - began
-        write_extended(folder, boat, *finding.written_effects, finding.run_set.names, finding.written_curves)
+        write_extended(
+            folder, inputs.boat, *finding.written_effects, finding.run_set.names, finding.written_curves
+        )
         if finding.next_trial:
             write_trial(folder, finding.next_trial, model, run_set.dt)
         LOG.info("drawing the report")
-        write_report(folder, finding, ", ".join("/".join(one.resolve().parts[-2:]) for one in every))
+        write_report(folder, finding, ", ".join("/".join(one.resolve().parts[-2:]) for one in inputs.folders))
         for name, text in {**notes, RESULT: finding.diagnosis.model_dump_json(indent=2) + "\n"}.items():
             (folder / name).write_text(text, encoding="utf-8")
     return finding.diagnosis

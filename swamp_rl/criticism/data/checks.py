@@ -128,7 +128,7 @@ def refuse_mixed(folders: Sequence[Path]) -> None:
                 raise UserError(
                     f"{folder}: has the name of {earlier}, and runs are named after their dataset; rename one"
                 )
-        _refuse_another_boat(folders[0], folder, "diagnose the runs of one boat at a time")
+        _refuse_another_boat(folders[0], folder, "give the runs of one boat at a time")
 
 
 def dataset_name(folder: Path) -> str:
