@@ -81,6 +81,23 @@ def test_the_verb_prints_findings_or_json_and_its_status_tells(call: Call, folde
     assert data["findings"][0]["runs"] == ["one"]
 
 
+def test_each_of_several_folders_is_examined_by_itself(call: Call, tmp_path: Path, sound: list[Run]) -> None:
+    """Together the sound runs of one day would hide that the commands are exchanged in those of the other."""
+    sides = ["throttle_port", "throttle_starboard"]
+    for day, order in (("may", sides), ("june", sides[::-1])):
+        (tmp_path / day).mkdir()
+        for run in sound:
+            columns = dict(run.columns) | dict(zip(order, (run.columns[side] for side in sides), strict=True))
+            pq.write_table(pa.table(columns), tmp_path / day / f"{run.name}.parquet")
+    code, message, _ = call("runs", "doctor", "may", "june")
+    may, june = message.split("\n\n")
+    assert code == 1
+    assert "commands_exchanged" not in may and "\nmay (folder of tables): 3 runs" in f"\n{may}"
+    assert "commands_exchanged" in june and "\njune (folder of tables): 3 runs" in june
+    code, message, _ = call("runs", "doctor", "may", "june", "--json")
+    assert code == 1 and [one["folder"] for one in json.loads(message)] == ["may", "june"]
+
+
 def test_a_table_without_rows_is_reported_and_an_empty_time_leaves_the_findings_valid_json(
     call: Call, folder: Path
 ) -> None:
