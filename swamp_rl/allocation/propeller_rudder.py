@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.allocation.allocate import MET, Allocation
+from swamp_rl.allocation.allocate import Allocation
 from swamp_rl.boat import Boat, PropellerRudder
 from swamp_rl.errors import UserError
 from swamp_rl.physics.compile import compiled
@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 HALVINGS = 40
 SHARES = (0.01, 0.1, 1.0)  # of a wanted force, from which its largest multiple is sought
 MOST = 50.0  # multiples of a wanted force beyond which no one asks
+WITHIN = 1e-5  # of a wanted force, within which it counts as achieved
+LEAST = 1e-6  # of the thrust at rest: a smaller force counts as achieved within WITHIN of this one
 
 
 @compiled
@@ -68,10 +70,13 @@ def commands_for(
 
 @dataclass(frozen=True)
 class Propellers:
-    """K propellers with their rudders, in the order of the boat file; record: (1,) parameters of the boat."""
+    """K propellers with their rudders, in the order of the boat file; lever [m]: of a moment, for its size as
+    a force; thrust [N]: of all together at rest; record: (1,) parameters of the boat.
+    """
 
     names: tuple[str, ...]
     lever: float
+    thrust: float
     record: NDArray[Any]
 
     def allocate(self, wanted: Array, velocity: Array, rudder: Array, step: float = math.inf) -> Allocation:
@@ -94,7 +99,8 @@ class Propellers:
             given = propeller_with_rudder(angle[k], level[k], u, v, r, k, p)
             forces[k], achieved = given[:2], achieved + np.array(given)
         missing = (achieved - wanted)[[0, 2]] / np.array([1.0, self.lever])
-        met = bool(np.hypot(*missing) <= MET * max(1.0, float(np.hypot(wanted[0], wanted[2] / self.lever))))
+        size = float(np.hypot(wanted[0], wanted[2] / self.lever))
+        met = bool(np.hypot(*missing) <= WITHIN * max(size, LEAST * self.thrust))
         return Allocation(angle, level, forces, wanted, achieved, met)
 
     def largest_multiple(self, wanted: Array, velocity: Array) -> float:
@@ -127,4 +133,7 @@ def propellers_of(boat: Boat) -> Propellers:
                 f"boat {boat.name}: thrusters.{thruster.name} is not a propeller with a rudder; allocation "
                 "serves boats with jets alone or with such propellers alone"
             )
-    return Propellers(boat.thruster_names, 0.5 * boat.length, parameters(boat))
+    record = parameters(boat)
+    fastest = record[0]["revolutions_max"].tolist()
+    at_rest = (propeller_with_rudder(0.0, n, 0.0, 0.0, 0.0, k, record[0])[0] for k, n in enumerate(fastest))
+    return Propellers(boat.thruster_names, 0.5 * boat.length, sum(map(abs, at_rest)), record)

@@ -49,6 +49,11 @@ def test_a_tanker_in_wind_alone_is_refused_and_would_lose_its_station() -> None:
     assert strayed(sea, 0.0, 240.0) > 1.0
 
 
+def test_a_tanker_that_no_wind_is_too_weak_to_turn_has_a_wind_limit_of_zero() -> None:
+    boat = load_boat("esso_osaka")
+    assert capability(boat, drive_of(boat), directions=2).wind == pytest.approx([0.0, 0.0], abs=1e-3)
+
+
 @pytest.mark.parametrize(("share", "stays"), [(0.9, True), (1.15, False)])
 def test_a_tanker_holds_up_to_the_current_of_its_capability_plot(share: float, stays: bool) -> None:
     boat = load_boat("esso_osaka")
