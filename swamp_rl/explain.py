@@ -17,6 +17,9 @@ from swamp_rl.errors import UserError
 LIKE = 0.6
 """Words less alike than this are not taken for one another."""
 
+PART = 3
+"""Letters, at least, of a part that makes words alike."""
+
 MOST = 20
 """Most faults in a message."""
 
@@ -217,16 +220,26 @@ def likest(word: str, known: Iterable[str]) -> str | None:
 def likeness(one: str, other: str) -> float:
     """How much of two words is the same, from 0 to 1.
 
-    difflib's ratio sees letters that changed places, and the edit distance letters left out, where difflib's
-    longest block lies astray: it finds half of `seses` in `senses`.
+    By the edits from one to the other (optimal string alignment: letters that are left out, changed, or
+    exchanged with the next), or by the parts of PART letters or more that both have in the same order, as
+    `heading` in `heading_deg`. Shorter parts are in many words, such as `p` and `th` of `depth` in `pitch`.
     """
-    row = list(range(len(other) + 1))
+    edits = 1.0 - _edits(one, other) / max(len(one), len(other), 1)
+    blocks = difflib.SequenceMatcher(None, one, other).get_matching_blocks()
+    shared = sum(block.size for block in blocks if block.size >= PART)
+    return max(edits, 2.0 * shared / max(len(one) + len(other), 1))
+
+
+def _edits(one: str, other: str) -> int:
+    before, above, row = list[int](), list[int](), list(range(len(other) + 1))
     for i, letter in enumerate(one, 1):
-        above, row = row, [i]
+        before, above, row = above, row, [i]
         for j, known in enumerate(other, 1):
-            row.append(min(row[-1] + 1, above[j] + 1, above[j - 1] + (letter != known)))
-    edits = 1.0 - row[-1] / max(len(one), len(other), 1)
-    return max(edits, difflib.SequenceMatcher(None, one, other).ratio())
+            least = min(row[-1] + 1, above[j] + 1, above[j - 1] + (letter != known))
+            if i > 1 and j > 1 and (letter, one[i - 2]) == (other[j - 2], known):
+                least = min(least, before[j - 2] + 1)
+            row.append(least)
+    return row[-1]
 
 
 def _known_keys(loc: Location, model: type[BaseModel]) -> set[str]:

@@ -1,6 +1,5 @@
 """Files: found by name, read with clear errors, and written so that a half-written one never looks whole."""
 
-import difflib
 import errno
 import os
 import uuid
@@ -16,7 +15,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError, errors_at
 from swamp_rl.explain import explain as explain
 from swamp_rl.explain import explanations as explanations
-from swamp_rl.explain import in_yaml
+from swamp_rl.explain import in_yaml, likest
 from swamp_rl.explain import validated as validated
 from swamp_rl.ordinary import ordinary
 from swamp_rl.yaml_text import MOST_BYTES, dumped, parsed, remedy
@@ -192,8 +191,8 @@ def find_config(kind: str, name_or_path: str | Path) -> Path:
         if given.suffix and is_file(given):
             raise UserError(f"{clipped(given)}: is no YAML file; {kind} are files that end in .yaml")
         beside = [name for name in (f"{given}.yaml", f"{given}.yml") if is_file(Path(name))]
-        near = beside or difflib.get_close_matches(clipped(given), config_names(kind), 1)
-        hint = f"did you mean {clipped(near[0])!r}? " if near else ""
+        near = beside[0] if beside else likest(clipped(given), config_names(kind))
+        hint = f"did you mean {clipped(near)!r}? " if near else ""
         raise UserError(f"no {one} named {clipped(given)!r}; {hint}give a path or one of {_known(kind)}")
     return found
 

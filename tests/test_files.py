@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Field
 
 from swamp_rl.errors import UserError
+from swamp_rl.explain import likest
 from swamp_rl.files import find_config, new_files_beside, read_yaml, validated, write_beside, write_yaml
 from swamp_rl.replacement import WRITTEN
 from swamp_rl.unfinished import folder_beside
@@ -310,6 +311,22 @@ def test_what_does_not_fit_is_named_by_dotted_key(data: dict[str, object], messa
         validated("f.yaml", Ship, data)
     assert message in str(caught.value)
     assert all(line.startswith("f.yaml: ") for line in str(caught.value).splitlines())
+
+
+@pytest.mark.parametrize(
+    ("word", "known", "found"),
+    [
+        ("heading", ("easting", "northing", "lap"), None),
+        ("pitch", ("depth", "time"), None),
+        ("tiem", ("time", "north"), "time"),
+        ("Heading_deg", ("time", "heading"), "heading"),
+        ("headng", ("time", "heading"), "heading"),
+    ],
+)
+def test_a_word_that_has_only_letters_in_common_is_not_suggested(
+    word: str, known: tuple[str, ...], found: str | None
+) -> None:
+    assert likest(word, known) == found
 
 
 def test_every_fault_has_its_line() -> None:

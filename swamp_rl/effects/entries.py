@@ -1,6 +1,5 @@
 """Reading a list of effects: `[{effect: current, north: 0.1}, ...]` with every fault named."""
 
-import difflib
 import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +10,7 @@ import numpy as np
 from swamp_rl.effects.curve import KEYS, Curve, parse_curve
 from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
 from swamp_rl.errors import UserError
-from swamp_rl.explain import in_yaml
+from swamp_rl.explain import in_yaml, likest
 
 ALL = "all"
 Selector = str | tuple[str, str] | None
@@ -105,8 +104,8 @@ def effect_and_keys(entry: Any, where: str, also: Collection[str] = ()) -> tuple
 
 def suggestion(name: Any, known: Collection[str]) -> str:
     """The nearest known name, if one is near, and all of them."""
-    near = difflib.get_close_matches(str(name), list(known), 1)
-    return (f"did you mean {near[0]!r}? " if near else "") + f"known here: {', '.join(known)}"
+    near = likest(str(name), known)
+    return (f"did you mean {near!r}? " if near else "") + f"known here: {', '.join(known)}"
 
 
 def parse_selector(effect: Effect, given: Any, where: str, thruster_names: Sequence[str]) -> Selector:
