@@ -3,6 +3,7 @@
 GRAVITY = 9.81  # m/s2
 KNOT = 1852.0 / 3600.0  # m/s
 FOOT = 0.3048  # m
+POUND = 0.45359237  # kg
 DAY = 86_400.0  # s
 Z95 = 1.959963984540054  # standard deviations of a normal distribution, within which 95 % lie
 SWAMP_LENGTH = 1.24  # m; gains and habits chosen for SWAMP serve boats of other lengths by Froude's law

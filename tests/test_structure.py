@@ -33,6 +33,7 @@ FLOORS = (
         "own_code",
         "seal",
         "sums",
+        "units",
         "whole_number",
         "workers",
     },

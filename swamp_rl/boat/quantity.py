@@ -10,6 +10,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from swamp_rl.explain import in_yaml
+from swamp_rl.units import in_ours
 
 Origin = Literal["measured", "fitted", "assumed"]
 ORIGINS = get_args(Origin)
@@ -66,7 +67,9 @@ class Unit:
         faults = [f"lacks {key}" for key in KEYS if key not in given]
         faults += [f"has an unknown key {key!r}" for key in given if key not in (*KEYS, SPREAD)]
         if not faults and given["unit"] != self.name:
-            faults = [f"has unit {in_yaml(given['unit'])}, allowed is {self.name!r}"]
+            known = in_ours(str(given["unit"]), self.name)
+            hint = f" ({known})" if known else ""
+            faults = [f"has unit {in_yaml(given['unit'])}, allowed is {self.name!r}{hint}"]
         if not faults and given["provenance"] not in ORIGINS:
             faults = [f"has provenance {in_yaml(given['provenance'])}, allowed are {', '.join(ORIGINS)}"]
         if not faults and not (isinstance(given["source"], str) and given["source"].strip()):

@@ -10,7 +10,8 @@ from swamp_rl.boat import Boat
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
 from swamp_rl.runs.columns import command_columns, command_limits
-from swamp_rl.runs.units import UNITS, factor
+from swamp_rl.runs.units import factor
+from swamp_rl.units import UNITS
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError, errors_at
 from swamp_rl.files import read_yaml, validated
 from swamp_rl.logs.expression import Node, names_in, parsed
-from swamp_rl.runs.units import UNITS
+from swamp_rl.units import UNITS
 
 Frame = Literal["ned", "enu"]
 WITH_AXES = ("x", "y", "yaw", "qw", "qx", "qy", "qz", "vx", "vy", "u", "v", "r")

@@ -124,7 +124,11 @@ def test_an_impossible_value_is_refused_by_key(tmp_path: Path, line: str, messag
 @pytest.mark.parametrize(
     ("quantity", "message"),
     [
-        ("{value: 50, unit: lb, provenance: measured, source: scales}", "unit 'lb', allowed is 'kg'"),
+        (
+            "{value: 50, unit: lb, provenance: measured, source: scales}",
+            "unit 'lb', allowed is 'kg' (1 lb is 0.45359237 kg)",
+        ),
+        ("{value: 50, unit: A, provenance: measured, source: scales}", "unit 'A', allowed is 'kg'; write"),
         (
             "{value: 50, unit: kg, provenance: guessed, source: scales}",
             "allowed are measured, fitted, assumed",
@@ -138,6 +142,12 @@ def test_an_impossible_value_is_refused_by_key(tmp_path: Path, line: str, messag
 )
 def test_a_number_with_half_its_provenance_is_refused(tmp_path: Path, quantity: str, message: str) -> None:
     assert message in refused(tmp_path, f"extends: swamp\nmass: {quantity}\n")
+
+
+def test_a_capacity_in_ampere_hours_is_refused_with_what_one_is_in_coulombs(tmp_path: Path) -> None:
+    capacity = "{value: 13, unit: Ah, provenance: measured, source: its label}"
+    message = refused(tmp_path, f"extends: swamp\nbattery: {{capacity: {capacity}}}\n")
+    assert "battery.capacity: the number has unit 'Ah', allowed is 'C' (1 Ah is 3600 C); write" in message
 
 
 @pytest.mark.parametrize("sd", ["-1.0", ".nan", "wide", "[1.0]", "true"])
