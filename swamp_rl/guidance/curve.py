@@ -11,7 +11,9 @@ Array = NDArray[np.float64]
 
 
 class Nearest(NamedTuple):
-    """The nearest point of a curve, `along` from its start, and the place `across` to starboard of it [m]."""
+    """The nearest point of a curve, `along` from its start, and the place `across` to starboard of it [m];
+    past the end of the curve that to starboard of the line in the direction of the end.
+    """
 
     along: float
     across: float
@@ -61,6 +63,8 @@ class Curve:
         way = np.clip(way, np.maximum(since - base, 0.0), np.minimum(since + ahead - base, size))
         distance = np.hypot(*(away - step * (way / size)[:, None]).T)
         i = int(np.argmin(distance))
+        if high == len(self.along) - 1 and i == len(size) - 1 and way[i] == size[i]:
+            return self._seen_from_end(north, east)
         across = (step[i, 0] * away[i, 1] - step[i, 1] * away[i, 0]) / size[i]
         return Nearest(float(base[i] + way[i]), float(math.copysign(distance[i], across)))
 

@@ -55,6 +55,14 @@ def test_the_error_is_positive_to_starboard_and_the_branch_is_that_of_the_progre
     assert found[-1, 0] == pytest.approx(eight.length, rel=1e-2)
 
 
+def test_the_way_past_the_end_of_a_curve_is_no_error() -> None:
+    line = curve({"kind": "line", "to": [10.0, 0.0]})
+    track = np.array([[9.0, 0.1], [9.9, 0.1], [10.4, 0.1], [10.8, -0.2]])
+    assert progress(line, track, 10.0) == pytest.approx(
+        np.array([[9.0, 0.1], [9.9, 0.1], [10.0, 0.1], [10.0, -0.2]])
+    )
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
