@@ -42,6 +42,9 @@ GIVEN = "given to swamp-rl boat new"
 RANGE = 1e-4, 1e10
 """SI, of each size that is given: beyond it the estimates leave the range of numbers."""
 LARGEST_FIN = 0.5  # of length times draught
+FIN_SPREAD = (
+    0.4  # of a fin's part of a coefficient: area, aspect ratio and the hull's boundary layer are guesses
+)
 DIGITS = 4  # of what is written
 MODELS: dict[str, type[BaseModel]] = {
     "hull": Hull,
@@ -196,7 +199,9 @@ def _hull(sizes: Sizes, fin: float | None) -> dict[str, Any]:
     hull, wider = {}, OF_TWO if sizes.spacing else 1.0
     for name, value in found.items():
         source = SOURCES[name] + (f"; a fin of {fin:g} m2 aft, Fujii 1961" if name in added else "")
-        hull[name] = assumed(value + added.get(name, 0.0), "1", source, wider * SPREADS[name])
+        of_fin = added.get(name, 0.0)
+        spread = math.hypot(wider * SPREADS[name], FIN_SPREAD * of_fin)
+        hull[name] = assumed(value + of_fin, "1", source, spread)
     apart = "breadth less that of a demihull" if sizes.spacing else "one hull, or two taken as one"
     return hull | {"spacing": assumed(sizes.spacing, "m", apart, 0.1 * sizes.breadth)}
 

@@ -37,6 +37,17 @@ def test_a_fin_at_the_stern_adds_the_lift_of_a_flat_plate_there(tmp_path: Path, 
     assert added == pytest.approx([0.0, lift, at * lift], rel=2e-3, abs=0.02)  # the file has four digits
 
 
+def test_the_area_of_a_fin_is_a_guess_that_a_fit_may_correct_by_its_coefficients(tmp_path: Path) -> None:
+    bare, guessed, half = (
+        skiff(tmp_path, "outboard", **fin) for fin in ({}, {"fin": AREA}, {"fin": AREA / 2})
+    )
+    for name in ("y_v", "y_r", "n_v", "n_r"):
+        spread, before = (boat.provenance[f"hull.{name}"].sd for boat in (guessed, bare))
+        assert isinstance(spread, float) and isinstance(before, float) and spread > before
+        assert abs(getattr(guessed.hull, name) - getattr(half.hull, name)) < 1.25 * spread
+    assert guessed.provenance["hull.x_vr"].sd == bare.provenance["hull.x_vr"].sd
+
+
 @pytest.mark.parametrize("kind", ["outboard", "waterjet", "azimuth", "four-azimuths"])
 def test_with_a_fin_a_steered_boat_turns_as_boats_under_way_do(tmp_path: Path, kind: str) -> None:
     without = turning_warning(skiff(tmp_path, kind))
