@@ -8,12 +8,17 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from swamp_rl.experiments.config.claims import Claims
 
+from swamp_rl.clipped import clipped, printable
 from swamp_rl.course import Depth
 from swamp_rl.explain import nearest
 from swamp_rl.pilots.scripted import Skill
 
 MOST_PILOTS = 100
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]*$"
+LETTER = r"A-Za-z0-9\u00C0-\uFFFD"
+PILOT = f"^[{LETTER}]([{LETTER}_. -]*[{LETTER}_.-])?$"
+LONGEST = 100
+"""Bytes of a pilot's name, which names a folder of each of its outputs, too."""
 
 
 def _plain(name: str) -> str:
@@ -24,7 +29,25 @@ def _plain(name: str) -> str:
     return name
 
 
+def _pilot(name: str) -> str:
+    if not re.fullmatch(PILOT, name) or not name.isprintable() or len(name.encode()) > LONGEST:
+        raise ValueError(
+            f"{clipped(name)!r} may have letters, digits, spaces, _, . and -, a letter or a digit first and "
+            f"no space last, {LONGEST} bytes at most"
+        )
+    return name
+
+
+def pilot_name(name: str) -> str:
+    """The name of a file or a folder as an experiment may call a pilot."""
+    plain = "".join(letter if re.match(f"[{LETTER}_. -]", letter) else "_" for letter in printable(name))
+    return plain.encode()[:LONGEST].decode(errors="ignore").lstrip("_.- ").rstrip() or "pilot"
+
+
 Name = Annotated[str, Field(max_length=100, json_schema_extra={"pattern": NAME}), AfterValidator(_plain)]
+PilotName = Annotated[
+    str, Field(max_length=LONGEST, json_schema_extra={"pattern": PILOT}), AfterValidator(_pilot)
+]
 Seed = Annotated[int, Field(ge=0, lt=2**31)]
 Count = Annotated[int, Field(ge=1, le=100_000)]
 "Of runs or episodes, which are held in memory at once."
@@ -218,7 +241,7 @@ class Experiment(Part):
     depth: Depth | None = None
     data: Data = Data()
     pilots: Annotated[
-        dict[Name, PilotPlan], Field(min_length=1), BeforeValidator(_few), BeforeValidator(_left)
+        dict[PilotName, PilotPlan], Field(min_length=1), BeforeValidator(_few), BeforeValidator(_left)
     ]
     "By name; null drops one of the experiment that this one extends, and its targets."
     evaluation: Evaluation

@@ -1,6 +1,5 @@
 """Evaluate pilots that are trained already: those of an experiment's folder, or any that are stored."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -16,7 +15,7 @@ from swamp_rl.experiments.artifacts.provenance import (
 )
 from swamp_rl.experiments.artifacts.stages import say
 from swamp_rl.experiments.config.load import load_experiment, overridden
-from swamp_rl.experiments.config.schema import Experiment, Targets
+from swamp_rl.experiments.config.schema import Experiment, Targets, pilot_name
 from swamp_rl.experiments.studies.run import evaluated
 
 from swamp_rl.errors import UserError
@@ -148,10 +147,10 @@ def _plans_of(pilots: Sequence[Asked]) -> dict[str, Mapping[str, Any]]:
             holder = (home_of(folder) or folder.resolve().parent).name
             stored = {"kind": "stored", "options": {"folder": str(folder)}}
             found.append((folder.resolve().name, holder, str(folder), stored))
-    names = [_plain(name) for name, *_ in found]
+    names = [pilot_name(name) for name, *_ in found]
     plans: dict[str, Mapping[str, Any]] = {}
     for name, (own, holder, where, plan) in zip(names, found, strict=True):
-        called = name if names.count(name) == 1 else _plain(f"{holder}-{own}")
+        called = name if names.count(name) == 1 else pilot_name(f"{holder}-{own}")
         if called in plans:
             raise UserError(f"{where}: another pilot is called {called} as well; rename one file or folder")
         plans[called] = plan
@@ -164,11 +163,6 @@ def _stored_in(folder: Path) -> list[Path]:
     if not _is_pilot(folder) and not inside:
         raise UserError(f"{folder}: holds no trained pilot; name a folder of results or of a stored pilot")
     return [folder] if _is_pilot(folder) else inside
-
-
-def _plain(name: str) -> str:
-    """The name of a file or a folder as an experiment may call a pilot."""
-    return re.sub(r"[^A-Za-z0-9_.-]", "_", name).lstrip("_.-")[:100] or "pilot"
 
 
 def _is_pilot(folder: Path) -> bool:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 import yaml
 from pydantic import Field, model_validator
-from swamp_rl.experiments.config.schema import Count, Name, Part, Rate, Seed
+from swamp_rl.experiments.config.schema import Count, Name, Part, PilotName, Rate, Seed
 
 from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, read_yaml, validated
@@ -67,7 +67,7 @@ class Objective(Part):
     of a lower rate come after all others, in the order of their success.
     """
 
-    pilot: Name
+    pilot: PilotName
     level: str
     measure: Literal["success", "time", "path_length", "command_change", "energy"] = "success"
     direction: Literal["maximize", "minimize"] | None = None

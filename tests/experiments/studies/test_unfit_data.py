@@ -1,5 +1,6 @@
 """Runs that the report of an experiment could not use are refused before anything is trained."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -122,15 +123,20 @@ def test_a_stored_pilot_of_another_boat_is_refused_and_one_of_the_same_thrusters
     assert "pilots.mine: was made for boat swamp-light, it drives swamp" in capsys.readouterr().err
 
 
-def test_a_pilot_of_another_boat_is_evaluated_under_a_plain_name_and_the_report_tells_its_boat(
+def test_a_pilot_of_another_boat_is_evaluated_under_the_name_of_its_folder_and_the_report_tells_its_boat(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder = tmp_path / "pi lot"
+    folder = tmp_path / "Lotse für Ü:1"
     save_pilot(LineOfSightPilot(), folder, made=made_for(load_boat("swamp-light"), "camogli", 0.1))
     experiment = write_tiny(tmp_path, "scripted")
     with empty_figures():
         out = evaluate_folders(
             folder, {"episodes": 1, "shown": 1}, ["data.record.good=1"], tmp_path / "out", str(experiment)
         )
-    assert f"* **pi_lot**: stored in `{folder}`, made for boat swamp-light" in (out / "report.md").read_text()
-    assert "pilots.pi_lot: was made for boat swamp-light, it drives swamp" in capsys.readouterr().err
+    assert (
+        f"* **Lotse für Ü_1**: stored in `{folder}`, made for boat swamp-light"
+        in (out / "report.md").read_text()
+    )
+    assert list(json.loads((out / "results.json").read_text())["pilots"]) == ["Lotse für Ü_1"]
+    assert (out / "driven" / "Lotse für Ü_1" / "dataset.yaml").is_file()
+    assert "pilots.Lotse für Ü_1: was made for boat swamp-light, it drives swamp" in capsys.readouterr().err
