@@ -344,7 +344,7 @@ def test_bad_input_is_refused_with_one_line_and_nothing_written(call: Call, tmp_
     for more, result in (
         (("--out", "twin.yaml"), "already exists"),
         (("--out", "new.txt"), "--out must end in .yaml"),
-        (("--out", "new.yaml"), "too short"),
+        (("--out", "new.yaml"), "; a fit needs 20 s or more"),
         (("--out", "new.yaml", "--holdout", "runs"), "nothing would be held out"),
     ):
         code, _, error = call(*asked, *more)

@@ -1,4 +1,4 @@
-"""Checks of the data before a fit: those that no diagnosis is possible from are refused."""
+"""Checks of the data before a fit: those that no fit is possible to are refused."""
 
 import os
 from collections.abc import Sequence
@@ -44,7 +44,7 @@ def refuse_too_short(runs: list[Run], folder: str) -> None:
     longest, least = max((run.duration for run in runs), default=0.0), options()
     raise UserError(
         f"{folder}: too short: {total:.3g} s in runs of at least {least.shortest_run:.0f} s (the longest "
-        f"lasts {longest:.3g} s); a diagnosis needs {least.least_data:.0f} s or more, better five runs of a "
+        f"lasts {longest:.3g} s); a fit needs {least.least_data:.0f} s or more, better five runs of a "
         "minute with turns both ways and several speeds; record more"
     )
 
@@ -53,7 +53,7 @@ def refuse_too_coarse(dt: float, folder: str) -> None:
     """UserError where the sample step dt [s] exceeds the shortest horizon."""
     if dt > options().step_slack * options().horizons[0]:
         raise UserError(
-            f"{folder}: a sample every {dt:.3g} s; a diagnosis needs one every {options().horizons[0]:g} s "
+            f"{folder}: a sample every {dt:.3g} s; a fit needs one every {options().horizons[0]:g} s "
             "or more often (10 a second serve well); record at a higher rate"
         )
 
