@@ -344,7 +344,10 @@ def is_noise_on_whole_runs(
 
 
 def is_simpler(before: Continuation, found: Selection, after: Continuation, again: Selection) -> bool:
-    """Whether a selection with reconstructed commands explains as much by fewer effects, or clearly more."""
+    """Whether a selection with reconstructed commands explains as much by fewer effects, or clearly more, on
+    windows that are no shorter.
+    """
     fewer = len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
     least = -options().separation if fewer else options().reconstruction_gain
-    return again.adequate and _saved(before, found, after, again) > least
+    reaches = again.adequate and again.stage >= found.stage
+    return reaches and _saved(before, found, after, again) > least
