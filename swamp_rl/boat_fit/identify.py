@@ -30,7 +30,7 @@ from swamp_rl.boat_fit.run_thrust import (
     unlike,
     without,
 )
-from swamp_rl.boat_fit.wiring import Wiring, advanced, search_wiring
+from swamp_rl.boat_fit.wiring import Wiring, advanced, less_advanced, search_wiring
 from swamp_rl.boat_numbers.number import Number
 from swamp_rl.boat_numbers.numbers import COMPASS, SATURATED, free_numbers, without_compass
 from swamp_rl.criticism.data.inputs import Inputs, Named, inputs_of, read_inputs
@@ -242,7 +242,7 @@ def short_fitted(
     made = short_fit(run_set, weight, hypothesis, x)
     found = _estimates(numbers, made.x, made.covariance, made.covariance)
     with_current = is_significant(run_currents(run_set, hypothesis, made.x, made.covariance))
-    return replace(wiring, x=made.x[: len(found)]), found, with_current
+    return less_advanced(replace(wiring, x=made.x[: len(found)]), numbers, training.dt), found, with_current
 
 
 def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted], with_current: bool) -> BoatFit:

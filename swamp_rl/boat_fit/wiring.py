@@ -14,6 +14,7 @@ from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
 from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
 from swamp_rl.boat_fit.pieces import pieces
 from swamp_rl.boat_fit.wiring_response import wiring_likelihoods
+from swamp_rl.boat_numbers.number import Number
 from swamp_rl.boat_numbers.numbers import free_numbers, without_compass
 from swamp_rl.criticism.data.measurement_noise import weights
 from swamp_rl.criticism.data.run_set import RunSet
@@ -205,6 +206,20 @@ def advanced(run_set: RunSet, seconds: float) -> RunSet:
         return run_set
     last = run_set.commands.shape[1] - 1
     return replace(run_set, commands=run_set.commands[:, np.minimum(np.arange(last + 1) + rows, last)])
+
+
+def less_advanced(wiring: Wiring, numbers: Sequence[Number], dt: float) -> Wiring:
+    """The wiring with commands taken no earlier than the fit needs: a delay that it has added in whole rows
+    takes as much of it back.
+    """
+    column = [number.field for number in numbers].index("command_delay")
+    added = min(float(wiring.x[column]) - numbers[column].start, wiring.advance)
+    added = math.floor(added / dt + 1e-6) * dt
+    if added <= 0.0:
+        return wiring
+    x = wiring.x.copy()
+    x[column] -= added
+    return replace(wiring, advance=round(wiring.advance - added, 2), x=x)
 
 
 def _some_runs(run_set: RunSet) -> RunSet:

@@ -11,7 +11,9 @@ import pytest
 from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit import wiring
 from swamp_rl.boat_fit.command_offset import command_offset
-from swamp_rl.boat_fit.wiring import search_wiring
+from swamp_rl.boat_fit.hypothesis import free_boat
+from swamp_rl.boat_fit.wiring import Wiring, less_advanced, search_wiring
+from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
 from swamp_rl.simulator import parameters
@@ -128,3 +130,16 @@ def test_an_exchange_of_equal_commands_takes_no_place_among_the_wirings_that_are
     monkeypatch.setattr(wiring, "fit_windows", quick)
     found = search_wiring(runs, noise_levels(runs))
     assert found.changes == ("the azimuth of stern has the other sign",)
+
+
+def test_commands_are_taken_no_earlier_than_a_fit_needs(wired: RunSet) -> None:
+    numbers = free_numbers(wired.boat)
+    delay = [number.name for number in numbers].index("effects.command_delay.delay")
+    x = free_boat(wired.boat, numbers).start()
+    x[delay] = 0.27
+    found = less_advanced(Wiring(wired.boat, (), 0.61, x), numbers, 0.1)
+    assert (found.advance, found.x[delay]) == pytest.approx((0.41, 0.07))
+    x[delay] = 0.09  # less than a row
+    assert less_advanced(Wiring(wired.boat, (), 0.61, x), numbers, 0.1).advance == 0.61
+    x[delay] = 0.35  # a delay that the log has beside no advance stays
+    assert less_advanced(Wiring(wired.boat, (), 0.0, x), numbers, 0.1).x[delay] == 0.35
