@@ -1,7 +1,7 @@
 """Diagnosis of a boat file from measured runs: causes, their parameters, and the gain of adding them."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -203,7 +203,7 @@ def examine(
         else [],
         candidates=_candidates(continuation, found, rng),
         hypotheses=sum(bool(one.hypothesis.instances) for one in found.tried),
-        discrete=[one.hypothesis.label for one in found.tried if not one.hypothesis.size],
+        discrete=labels_without_number(one.hypothesis for one in found.tried),
         unseen=[label for label in found.unidentifiable if label not in seen.union(hidden)],
         hidden=hidden,
         missing_motion=lacks,
@@ -306,3 +306,8 @@ def _candidates(continuation: Continuation, found: Selection, rng: np.random.Gen
             Candidate(effect=one.hypothesis.label, held_out_score=score, gain=gain, gain_ci=interval)
         )
     return sorted(listed, key=lambda one: one.held_out_score)[: options().listed]
+
+
+def labels_without_number(hypotheses: Iterable[Hypothesis]) -> list[str]:
+    """Of those hypotheses whose effects have no number, as a swap of channels."""
+    return [one.label for one in hypotheses if one.instances and not one.size]

@@ -11,6 +11,7 @@ from swamp_rl.angles import turned
 from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
 from swamp_rl.criticism.data.run_set import CHANNELS, Gap, run_set_of
+from swamp_rl.criticism.diagnose import labels_without_number
 from swamp_rl.criticism.inference.identifiability import separating_manoeuvre
 from swamp_rl.criticism.inference.residual_force import residual_forces
 from swamp_rl.criticism.likelihood.cross_validation import heldout_loss
@@ -193,3 +194,12 @@ def test_the_schema_names_the_four_verdicts() -> None:
     for verdict in ("nothing_wrong", "cause", "indistinguishable", "unexplained"):
         assert verdict in schema
     assert len(CHANNELS) == 6
+
+
+def test_effects_without_a_number_are_told_and_no_effect_is_none_of_them() -> None:
+    exchanged, weak = (
+        next(one for one in candidates(load_boat("swamp"), SECONDS) if one.effect.name == name)
+        for name in ("channel_swap", "thruster_gain")
+    )
+    tried = [Hypothesis(), Hypothesis((exchanged,)), Hypothesis((weak,)), Hypothesis((exchanged, weak))]
+    assert labels_without_number(tried) == [exchanged.label]
