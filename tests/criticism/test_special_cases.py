@@ -59,9 +59,12 @@ def test_an_even_efficiency_is_a_gain_although_rounded_commands_bend_it(seed: in
     assert named(runs, rivals=True) == ["thruster_efficiency_curve bs"]
 
 
-def test_a_curve_that_whole_runs_clearly_show_is_no_gain_although_it_predicts_no_better_by_chance() -> None:
+@pytest.mark.parametrize("bend", [0.003, 0.005])
+def test_a_curve_that_whole_runs_show_is_no_gain_although_it_predicts_no_better_by_chance(
+    bend: float,
+) -> None:
     long = np.tile([commands(run) for run in range(3)], (1, 4, 1))
-    bent = {**CURVE, "at_30": 0.995, "at_60": 1.005, "at_100": 0.995}
+    bent = {**CURVE, "at_30": 1.0 - bend, "at_60": 1.0 + bend, "at_100": 1.0 - bend}
     assert named(driven([bent], long, 1.0, seed=0), stage=LAST) == ["thruster_efficiency_curve bs"]
 
 

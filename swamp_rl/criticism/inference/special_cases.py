@@ -52,9 +52,9 @@ def _predicts_as_well(
     noise: Mapping[str, float],
     rng: np.random.Generator,
 ) -> bool:
-    """Whether no error of the predictions is larger under a fit than under the winner, at any horizon. If
-    middle windows prefer the fit and whole runs, which accumulate errors, do not clearly prefer the winner,
-    an error may be larger by chance where predictions differ by less than the sensor's noise.
+    """Whether no error of the predictions is larger under a fit than under the winner, at any horizon. Where
+    they differ by less than the sensor's noise, which is larger is chance: whole runs must not prefer the
+    winner, and an error may be larger if middle windows prefer the fit.
     """
     shares = []
     for horizon in options().judged_horizons:
@@ -62,12 +62,13 @@ def _predicts_as_well(
         after, block = on.errors(continuation, found.stage, found.winner, horizon)
         shares += shares_of(before, after, block, horizon, rng)
     larger = [one for one in shares if not one.without <= one.with_cause]
+    criterion, pair = continuation.criterion, (plain, found.winner)
+    by_chance = moves_less_than_noise(larger or shares, noise)
+    if by_chance and criterion(plain) > criterion(found.winner) + options().separation:
+        return False
     if not larger:
         return bool(shares)
-    if any(one.ci95[0] > 0.0 for one in larger) or not moves_less_than_noise(larger, noise):
-        return False
-    criterion, pair = continuation.criterion, (plain, found.winner)
-    if criterion(plain) > criterion(found.winner) + options().clearly:
+    if not by_chance or any(one.ci95[0] > 0.0 for one in larger):
         return False
     middle = [criterion(continuation.at(MIDDLE, one)) for one in pair]
     return middle[0] <= middle[1]
