@@ -159,11 +159,18 @@ def observation_space(asked: Observed, gate_count: int, time_limit: float) -> sp
 
     time_limit [s]: of whole steps.
     """
-    of_course = {GATES: float(gate_count), LIMIT: time_limit}
+    low, high = observation_bounds(asked, float(gate_count), time_limit)
+    return spaces.Box(low, high, dtype=np.float32)
+
+
+def observation_bounds(
+    asked: Observed, gate_count: float = math.nan, time_limit: float = math.nan
+) -> NDArray[np.float32]:
+    """Least and greatest value of the numbers `asked` (2, d), NaN where it is of a course not given."""
+    of_course = {GATES: gate_count, LIMIT: time_limit}
     terms = dict(asked.own)
     bounds = []
     for i, place in enumerate(asked.places.tolist()):
         term = terms.get(i, SENSES[place])
         bounds.append([of_course[end] if isinstance(end, str) else end for end in (term.low, term.high)])
-    low, high = np.array(bounds, dtype=np.float32).T
-    return spaces.Box(low, high, dtype=np.float32)
+    return np.array(bounds, dtype=np.float32).T

@@ -1,6 +1,7 @@
 """Train PPO of stable-baselines3 on the batched environment and evaluate its zip as `sb3:FILE`.
 
-Prints the stored model's success in calm water, without the noise of exploration. Loading such a zip
+Prints the stored model's success in calm water, without the noise of exploration. The zip does not hold that
+an action was held for several steps; the evaluation is told so by `hold`. Loading such a zip
 unpickles it: name only zips that you trust.
 """
 
@@ -16,11 +17,11 @@ from swamp_rl.envs.sb3 import GatesVecEnv
 
 import swamp_rl
 
-DECISIONS = 65_536
+DECISIONS, HOLD = 65_536, 5
 torch.set_num_threads(1)  # the networks are small
 
 boats = GatesVectorEnv(128, disturbances="calm", autoreset_mode=AutoresetMode.SAME_STEP)
-env = GatesVecEnv(boats, hold=5)  # an action is held for 5 steps of 0.1 s
+env = GatesVecEnv(boats, hold=HOLD)  # an action is held for 5 steps of 0.1 s
 model = PPO("MlpPolicy", env, n_steps=64, batch_size=1024, gamma=0.99, seed=0, device="cpu")
 model.set_logger(Logger(None, []))  # its own makes a folder in the temporary directory
 model.learn(DECISIONS)
@@ -29,6 +30,7 @@ model.save("example_ppo.zip")
 folder = swamp_rl.evaluate(
     ["sb3:example_ppo.zip"],
     {"levels": ["calm"], "episodes": 50, "shown": 5},
+    [f"pilots.example_ppo.options.hold={HOLD}"],
     out="results/example_sb3",
     experiment="camogli",
 )

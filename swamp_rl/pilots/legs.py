@@ -19,7 +19,7 @@ from swamp_rl.pilots.callbacks import Log, Tick
 from swamp_rl.pilots.checkpoint import load_checkpoint, module_state, readable, save_checkpoint
 from swamp_rl.pilots.demonstrations import MOTION, NEXT_GATE, POSE
 from swamp_rl.pilots.divergence import refuse_diverged
-from swamp_rl.pilots.settings import Count, Layers, Many, Seed, Settings, Share
+from swamp_rl.pilots.settings import Count, Hold, Layers, Many, Seed, Settings, Share
 from swamp_rl.pilots.tally import Tally
 
 FIRST_EPISODE = 2**31
@@ -31,7 +31,7 @@ class ReinforcementSettings(Settings):
 
     senses: Annotated[tuple[str, ...], Field(min_length=1)] = (*POSE, *MOTION, *NEXT_GATE)
     hidden: Layers = (64, 64)
-    hold: Many = 6
+    hold: Hold = 6
     "Environment steps for which an action is held, in training and in evaluation."
     boats: Many
     decisions: Count

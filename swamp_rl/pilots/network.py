@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, checked_count, times
+from swamp_rl.pilots.held import Held
 from swamp_rl.pilots.memory import Memory
 
 REACH = 10.0
@@ -32,7 +33,7 @@ class NetworkPilot:
         _check_count("memory", memory, 0)
         self.kind = kind
         self.senses = tuple(senses)
-        self.hold = hold
+        self._held = Held(hold)
         self._memory = Memory(memory, len(self.senses))
         self._weights = {name: np.asarray(value, dtype=np.float32) for name, value in weights.items()}
         count = sum(name.startswith("weight_") for name in weights)
@@ -40,21 +41,25 @@ class NetworkPilot:
         self._check_shapes()
         self.reset(0)
 
+    @property
+    def hold(self) -> int:
+        """Steps from one decision to the next."""
+        return self._held.steps
+
     def reset(self, n: int) -> None:
         """Set the number of boats to n; each decides at its next step."""
         n = checked_count(n)
-        self._held_for = np.zeros(n, dtype=np.int64)
-        self._levers = np.zeros((n, 2))
+        self._held.begin(n)
         self._memory.begin(n)
 
     def reset_boats(self, mask: Array) -> None:
         """Clear the history of the boats of `mask` (n,), which decide at their next step."""
-        self._held_for[np.asarray(mask, dtype=bool)] = 0
+        self._held.forget(mask)
         self._memory.forget(mask)
 
     def keep(self, boats: Array) -> None:
         """Keep only the boats with the indices `boats` (m,)."""
-        self._held_for, self._levers = self._held_for[boats], self._levers[boats]
+        self._held.choose(boats)
         self._memory.choose(boats)
 
     def act(self, observation: Array) -> Array:
@@ -63,15 +68,15 @@ class NetworkPilot:
         If the number of boats differs from before, all are reset.
         """
         observed = checked(observation, self.senses)
-        if len(observed) != len(self._levers):
+        if len(observed) != len(self._held):
             self.reset(len(observed))
-        due = np.flatnonzero(self._held_for == 0)
-        if due.size:
-            seen = observed[due]
-            self._levers[due] = self._decide(self._memory.recall(seen, due))
-            self._memory.keep(seen, self._levers[due], due)
-        self._held_for = (self._held_for + 1) % self.hold
-        return self._levers.copy()
+
+        def decide(due: Array) -> Array:
+            levers = self._decide(self._memory.recall(observed[due], due))
+            self._memory.keep(observed[due], levers, due)
+            return levers
+
+        return self._held.step(decide)
 
     def _decide(self, recalled: Array) -> Array:
         x = (recalled - self._weights["mean"]) / self._weights["scale"]

@@ -24,7 +24,7 @@ from swamp_rl.pilots.settings import Settings
 
 GROUP = "swamp_rl.pilots"
 "Entry points of installed packages that name pilots, by the kind that experiments call them."
-SHIPPED = {"sb3": "swamp_rl.pilots.sb3_zip:SB3Zip", "onnx": "swamp_rl.export.onnx_copy:OnnxCopy"}
+SHIPPED = {"sb3": "swamp_rl.envs.sb3_zip:SB3Zip", "onnx": "swamp_rl.export.onnx_copy:OnnxCopy"}
 "Pilots that follow the same protocol, imported where they are asked for."
 ANY = ("",)
 "Ends of the names of files that a pilot may save."

@@ -18,6 +18,8 @@ Count = Annotated[int, Field(ge=1, le=10**9)]
 "Of what is done one after another, and only takes time."
 Many = Annotated[int, Field(ge=1, le=100_000)]
 "Of what is held in memory at once: boats, rows of a batch, runs."
+Hold = Annotated[int, Field(ge=1, le=10_000)]
+"Steps for which an action is held: 10 s of the shortest step."
 Width = Annotated[int, Field(ge=1, le=4096)]
 "Units of a layer: a reservoir's joints are the square of it."
 Layers = Annotated[tuple[Width, ...], Field(min_length=1, max_length=16)]
