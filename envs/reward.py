@@ -36,7 +36,7 @@ REWARD = (
         "1/m",
         False,
         "w (D₀ − D₁)",
-        "decrease of the distance to go D, so that over a run only its ends count",
+        "decrease of the distance to go D; the sum over a run is w (D at its start − D at its end)",
     ),
     RewardTerm("gate", 1.0, "1", False, "w G", "G gates passed in this step"),
     RewardTerm("success", 0.0, "1", False, "w", "once, when the last gate is passed"),
@@ -48,7 +48,12 @@ REWARD = (
         "time", 0.02, "1/s", True, "w Δt", "under way, so that waiting costs more than what it puts off"
     ),
     RewardTerm(
-        "change", 0.002, "s", True, "w (Δτ² + Δα²) / Δt", "change of throttle τ and angle α of the action"
+        "change",
+        0.002,
+        "s",
+        True,
+        "w (Δτ² + Δα²) / Δt",
+        "change of throttle τ and angle α of the action; depends on Δt",
     ),
     RewardTerm(
         "cross_track", 0.0, "1/(m s)", True, "w e Δt", "distance e from the middle line of the gate ahead"
@@ -80,10 +85,10 @@ def reward(
 ) -> float:
     """The terms of a step that depend on the action and the course; `REWARD` has the equations.
 
-    world: the record with the weights and the step dt [s]; way_made: decrease of `distance_to_go` [m] (Ng,
-    Harada and Russell 1999, with no discount); gates: passed in this step; throttle: of the step [1];
-    throttle_rate, angle_rate: changes of the levers since the step before, by dt [1/s]. Effort and change
-    are integrals over time of squares, so that they mean the same at any step.
+    world: the record with the weights and the step dt [s]; way_made: decrease of `distance_to_go` [m];
+    gates: passed in this step; throttle: of the step [1]; throttle_rate, angle_rate: changes of the levers
+    since the step before, by dt [1/s]. Effort is an integral over time, the same at any step. Change is the
+    integral of the squared rates only of levers that vary smoothly; a jump by d costs w d^2 / dt.
     """
     effort = world.reward_effort * throttle * throttle
     change = world.reward_change * (throttle_rate * throttle_rate + angle_rate * angle_rate)

@@ -51,7 +51,8 @@ class TaskArguments(TypedDict, total=False):
     step: float
     "Time of a step [s]; 0.1."
     max_episode_steps: int | None
-    "A time limit in steps, as `gymnasium.make` has it; the earlier of the two holds."
+    """A time limit in steps; the earlier of the two holds. `gymnasium.make` keeps it for its own wrapper, so
+    that `time_left` counts to `time_limit` alone."""
 
 
 @dataclass(frozen=True)
