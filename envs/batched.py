@@ -104,8 +104,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
     def step_held(self, actions: Array, steps: int) -> Step:
         """As `step`, but the actions (n, 2) are held for so many steps, whose rewards are summed.
 
-        A boat that ends on the way lies still until all have sailed their steps, and so does one that starts
-        anew in this call.
+        A boat that ends on the way lies still until all have sailed their steps or have ended, and so does
+        one that starts anew in this call.
         """
         if not self._started:
             raise UserError("step: the boats have not started; call reset first")
@@ -124,6 +124,8 @@ class GatesVectorEnv(VectorEnv[Array, Array, Array]):
                 self.fleet.boats["fresh"][begun] = True
             ended = self.fleet.sail(asked, paid, observations)
             rewards += paid
+            if ended + begun.size == self.num_envs:
+                break
         if ended:
             outcome = self.fleet.boats["outcome"]
             over, truncated = outcome != RUNNING, np.isin(outcome, CUT)

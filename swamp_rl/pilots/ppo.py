@@ -2,9 +2,9 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from swamp_rl.one_thread import one_thread
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array
@@ -46,7 +46,8 @@ class PPOSettings(ReinforcementSettings):
     decisions: Count = 1_200_000
     horizon: Many = 64
     "Actions of each boat between two updates."
-    batch_size: Many = 1024
+    batch_size: Annotated[int, Field(ge=2, le=100_000)] = 1024
+    "At least 2, as advantages are divided by their standard deviation over a batch."
     epochs: Many = 8
     learning_rate: Positive = 7e-4
     "Initial value, decreased linearly to zero; with a constant rate the success falls again."
@@ -60,6 +61,12 @@ class PPOSettings(ReinforcementSettings):
     exploration: Positive = 1.5
     """Initial standard deviation of the exploration noise's weights. It is large, so that the levers cover
     their range: with 0.6 some seeds explored too little to find the gates."""
+
+    @model_validator(mode="after")
+    def _more_than_one_action(self) -> Self:
+        if self.horizon * self.boats < 2:
+            raise ValueError("horizon: 1 action of 1 boat is no batch to learn from; raise horizon or boats")
+        return self
 
 
 def train_ppo(

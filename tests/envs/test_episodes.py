@@ -126,6 +126,20 @@ def test_a_boat_that_starts_anew_ignores_levers_however_long_they_are_held() -> 
     assert rewards.tolist() == [0.0]
 
 
+@pytest.mark.parametrize(("mode", "anew"), [("NextStep", 1), ("SameStep", 10)])
+def test_no_step_is_simulated_once_no_boat_sails(
+    mode: str, anew: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    boats = GatesVectorEnv(2, time_limit=1.0, autoreset_mode=mode)
+    boats.reset(seed=0)
+    sail, steps = boats.fleet.sail, []
+    monkeypatch.setattr(boats.fleet, "sail", lambda *given: steps.append(1) or sail(*given))
+    assert boats.step_held(np.zeros((2, 2)), 10**9)[3].all()
+    assert len(steps) == 10
+    boats.step_held(np.zeros((2, 2)), 10**9)
+    assert len(steps) == 10 + anew
+
+
 def test_in_the_same_step_mode_the_last_observation_is_in_the_info() -> None:
     later = GatesVectorEnv(2, course=brief(0.3), disturbances="standard")
     at_once = GatesVectorEnv(2, course=brief(0.3), disturbances="standard", autoreset_mode="SameStep")

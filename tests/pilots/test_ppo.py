@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from pydantic import ValidationError
 from swamp_rl.envs.batched import GatesVectorEnv
 from swamp_rl.envs.sb3 import GatesVecEnv
 
@@ -67,6 +68,19 @@ def test_a_checkpoint_tells_the_curve_again_and_is_refused_with_other_settings(t
     path.write_bytes(path.read_bytes()[:-100])
     with pytest.raises(UserError, match="damaged"):
         train_ppo(boats_of(QUICK), QUICK, checkpoint=path)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"batch_size": 1}, "batch_size"),
+        ({"horizon": 1, "boats": 1}, "raise horizon or boats"),
+        ({"hold": 100_000}, "hold"),
+    ],
+)
+def test_settings_of_which_nothing_can_be_learned_are_refused(options: dict[str, int], message: str) -> None:
+    with pytest.raises(ValidationError, match=message):
+        PPOSettings(**options)
 
 
 def test_a_training_without_a_checkpoint_writes_nothing(temporary: Path) -> None:
