@@ -32,7 +32,14 @@ def is_code(name: Any) -> bool:
 
 
 def own_code(name: str) -> Any:
-    """The attribute that the user named as `module:attribute`; its module is imported.
+    """As `imported`, of the user's own: errors that arise in the module from now on are theirs."""
+    found = imported(name)
+    _modules.add(name.partition(":")[0])
+    return found
+
+
+def imported(name: str) -> Any:
+    """The attribute `module:attribute`; its module is imported.
 
     Modules are looked for in the working directory too, last. UserError where there is none, and for what
     goes wrong in it.
@@ -52,7 +59,6 @@ def own_code(name: str) -> Any:
     if not hasattr(made, attribute):
         own = [known for known in vars(made) if not known.startswith("_")]
         raise UserError(f"{name}: the module has no {attribute!r}{nearest(attribute, own[:MOST_NAMED])}")
-    _modules.add(module)
     return getattr(made, attribute)
 
 

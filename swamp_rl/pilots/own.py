@@ -18,7 +18,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.names import file_in
 from swamp_rl.ordinary import contents
-from swamp_rl.own_code import is_code, own_code
+from swamp_rl.own_code import imported, is_code, own_code
 from swamp_rl.pilots.arrays import HIGHEST, LOWEST, Array, checked, checked_count
 from swamp_rl.pilots.settings import Settings
 
@@ -87,7 +87,7 @@ def own_class(kind: str) -> type[Any]:
     lacks a part of the protocol.
     """
     if kind not in _named:
-        found = own_code(SHIPPED.get(kind, kind)) if is_code(kind) or kind in SHIPPED else _installed(kind)
+        found = own_code(kind) if is_code(kind) else _installed(kind)
         _check(kind, found)
         _named[kind] = found
     return _named[kind]
@@ -233,6 +233,8 @@ def is_known_model(content: bytes) -> bool:
 
 
 def _installed(kind: str) -> Any:
+    if kind in SHIPPED:
+        return imported(SHIPPED[kind])
     found = [entry for entry in entry_points(group=GROUP) if entry.name == kind]
     if not found:
         raise UserError(f"{kind!r} is not a kind of pilot of an installed package (entry points {GROUP})")

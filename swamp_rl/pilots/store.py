@@ -15,7 +15,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.files import shipped_folders
 from swamp_rl.ordinary import MOST_JSON, contents
-from swamp_rl.own_code import is_code, refuse_unnamed
+from swamp_rl.own_code import fault_in_own_code, is_code, refuse_unnamed
 from swamp_rl.pilots.arrays import Array, owned
 from swamp_rl.pilots.description import Description, FittedOn, Made, described_arrays, sealed, unsealed
 from swamp_rl.pilots.gru import GRUPilot
@@ -76,6 +76,8 @@ def save_pilot(
 def load_pilot(folder: Path | str) -> Pilot:
     """Load the pilot stored in `folder`; UserError if it is missing, damaged or changed.
 
+    What the `load` of a class of the user's own raises is passed on.
+
     If there is no such folder, `folder` is the name of a pilot that comes with the package, or
     `line-of-sight`.
     """
@@ -94,6 +96,8 @@ def load_pilot(folder: Path | str) -> Pilot:
         if tuple(pilot.senses) != description.senses:
             raise ValueError("its settings and its description differ in the observation")
     except (LookupError, TypeError, AttributeError, ValueError, ArithmeticError, RecursionError) as error:
+        if fault_in_own_code(error):
+            raise  # as of `train` and `act`: no damage of the folder
         cause = f"{error} is missing" if isinstance(error, KeyError) else " ".join(str(error).split())
         raise UserError(f"{folder}: does not hold a whole pilot ({cause}); train it again") from error
     return pilot

@@ -1,0 +1,57 @@
+"""What goes wrong in a class of the user's own is told as theirs."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.own_code import fault_in_own_code
+from swamp_rl.pilots import own
+from swamp_rl.pilots.own import OwnPilot
+from swamp_rl.pilots.settings import Settings
+from swamp_rl.pilots.store import load_pilot, save_pilot
+
+CLASS = """
+import numpy as np
+
+class Ahead:
+    senses = ("gate_ahead",)
+
+    @classmethod
+    def train(cls, training):
+        return cls()
+
+    def save(self, folder):
+        (folder / "nothing.txt").write_text("")
+
+    @classmethod
+    def load(cls, folder, settings):
+        {load}
+
+    def reset(self, n):
+        pass
+
+    def act(self, observation):
+        return np.tile([1.0, 0.0], (len(observation), 1))
+"""
+
+
+def named_pilot(folder: Path, monkeypatch: pytest.MonkeyPatch, load: str = "return cls()") -> OwnPilot:
+    """A pilot of the class Ahead of a module that lies in `folder`."""
+    (folder / "their_ahead.py").write_text(CLASS.format(load=load))
+    monkeypatch.syspath_prepend(str(folder))
+    monkeypatch.setattr(own, "_named", {})
+    sys.modules.pop("their_ahead", None)
+    found = own.own_class("their_ahead:Ahead")
+    return OwnPilot("their_ahead:Ahead", found(), Settings())
+
+
+@pytest.mark.parametrize("fault", ["ValueError('bad')", "KeyError('bad')", "RuntimeError('bad')"])
+def test_a_fault_in_load_is_told_by_its_line_and_not_as_a_damage_of_the_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: str
+) -> None:
+    save_pilot(named_pilot(tmp_path, monkeypatch, f"raise {fault}"), tmp_path / "stored")
+    with pytest.raises((ValueError, KeyError, RuntimeError)) as error:
+        load_pilot(tmp_path / "stored")
+    said = fault_in_own_code(error.value)
+    assert said is not None and f"their_ahead.py, line 16: {fault.partition('(')[0]}: " in said
