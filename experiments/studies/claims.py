@@ -21,6 +21,7 @@ from swamp_rl.experiments.studies.claims_effects import CLAIMS, Hypothesis, coun
 from swamp_rl.experiments.studies.claims_episodes import fly
 from swamp_rl.experiments.training.train import get_data
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError, errors_at
 from swamp_rl.evaluation import holm, sign_flip_test
 from swamp_rl.evaluation.crossed import crossed_mean
@@ -106,7 +107,7 @@ def pool_of(plan: Claims, taught: PilotPlan, runs: Sequence[Run]) -> list[Run]:
     pool = choose_runs(runs, None, taught.outcomes, taught.skill)
     if len(pool) < max(plan.runs):
         raise UserError(
-            f"claims.runs: {max(plan.runs)} runs are asked for, {len(pool)} are there; record more"
+            f"claims.runs: {counted(max(plan.runs), 'run')} asked for, {len(pool)} found; record more"
         )
     return pool
 

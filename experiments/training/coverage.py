@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 from swamp_rl.experiments.config.scene import Scene
 
+from swamp_rl.counted import counted
 from swamp_rl.files import find_config, read_yaml
 from swamp_rl.pilots.arrays import Array
 from swamp_rl.pilots.demonstrations import is_demonstration
@@ -42,8 +43,8 @@ def calm_warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
     if not rough or 2 * calm <= len(runs):
         return None
     return (
-        f"pilots.{name}: {calm} of the {len(runs)} training runs were recorded without disturbances, but it "
-        f"is evaluated at {', '.join(rough)}; if it fails there, record runs with --disturbances {rough[0]}"
+        f"pilots.{name}: recorded without disturbances: {calm} of {counted(len(runs), 'training run')}; "
+        f"evaluated at {', '.join(rough)}; if it fails there, record runs with --disturbances {rough[0]}"
     )
 
 

@@ -43,8 +43,8 @@ def choose_runs(
         )
     if count is not None and len(chosen) < count:
         raise UserError(
-            f"{count} runs with the outcome {wanted} are asked for, {len(chosen)} are there; record more, or "
-            "ask for fewer"
+            f"{counted(count, 'run')} with the outcome {wanted} asked for, {len(chosen)} found; record more, "
+            "or ask for fewer"
         )
     return chosen[:count]
 
@@ -96,8 +96,10 @@ def rows_to_learn(runs: Sequence[Run], reaction: float = 0.0, washout: int = 0) 
     """Return for each run which of its first T rows are learned from (T,): those after the first `washout`
     that have a demonstration `reaction` [s] later, as all T have a row then.
 
-    SettingsError where a run is shorter than the reaction, or no row is left.
+    SettingsError where there is no run, one is shorter than the reaction, or no row is left.
     """
+    if not runs:
+        raise SettingsError("no runs were given to learn from; give one or more")
     learned = []
     for run in runs:
         late = round(reaction * (len(run.time) - 1) / run.duration) if reaction > 0.0 else 0

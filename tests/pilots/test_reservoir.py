@@ -133,7 +133,7 @@ def test_only_runs_of_the_outcome_asked_for_are_chosen() -> None:
     assert [run.name for run in choose_runs(runs, 3)] == ["1", "2", "4"]
     assert len(choose_runs(runs)) == 6
     assert [run.name for run in choose_runs(runs, outcomes=("buoy",))] == ["0", "3", "6"]
-    with pytest.raises(UserError, match="7 runs with the outcome success are asked for, 6 are there"):
+    with pytest.raises(UserError, match="7 runs with the outcome success asked for, 6 found"):
         choose_runs(runs, 7)
     with pytest.raises(UserError, match="none of 9 runs has the outcome timeout"):
         choose_runs(runs, outcomes=("timeout",))

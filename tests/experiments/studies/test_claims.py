@@ -173,7 +173,7 @@ def test_a_claim_about_one_drivers_runs_draws_from_his_alone() -> None:
     ]
     plan = check_claims(scene)
     assert [run.name for run in pool_of(plan, taught, runs)] == ["1", "2", "3"]
-    with pytest.raises(UserError, match="3 runs are asked for, 2 are there"):
+    with pytest.raises(UserError, match="3 runs asked for, 2 found"):
         pool_of(plan, taught, runs[:3])
 
 

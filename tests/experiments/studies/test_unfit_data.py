@@ -35,7 +35,7 @@ def test_a_pilot_that_asks_for_more_runs_than_there_are_is_named_with_the_folder
     with pytest.raises(UserError) as error:
         train_experiment(write_tiny(tmp_path, "scripted", "net"), asked, tmp_path / "out")
     assert str(error.value) == (
-        f"{data}: pilots.net: 2 runs with the outcome success are asked for, 1 are there; "
+        f"{data}: pilots.net: 2 runs with the outcome success asked for, 1 found; "
         "record more, or ask for fewer"
     )
     assert not (tmp_path / "out").exists()

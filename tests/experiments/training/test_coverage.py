@@ -85,7 +85,7 @@ def test_calm_runs_are_reported_where_the_pilot_is_tried_among_disturbances(
     lines = [line for line in output.splitlines() if "without disturbances" in line]
     assert [line.split(": ")[1] for line in lines] == ["pilots.reservoir-alone", "pilots.cloning"]
     for line in lines:
-        assert "3 of the 3 training runs" in line and "evaluated at standard, severe" in line
+        assert "3 of 3 training runs" in line and "evaluated at standard, severe" in line
         assert line.endswith("--disturbances standard")
 
 
