@@ -2,8 +2,9 @@
 
 import os
 
+from swamp_rl.pilots.arguments import load_pilot
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.pilots.store import load_pilot, save_pilot
+from swamp_rl.pilots.store import save_pilot
 
 # Every optimiser of torch makes the folder of torch's compiler, by default in the temporary directory.
 _cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")

@@ -1,4 +1,4 @@
-"""Pilots as a command line names them: folder, name, `sb3:model.zip`, `onnx:pilot.onnx`, `module:Class`."""
+"""Pilots as arguments name them: folder, name, `sb3:model.zip`, `onnx:pilot.onnx`, `module:Class`."""
 
 import hashlib
 import re
@@ -13,7 +13,8 @@ from swamp_rl.files import shipped_folders
 from swamp_rl.own_code import own_code
 from swamp_rl.pilots.own import SHIPPED, OwnPilot, model_file, own_class, settings_of
 from swamp_rl.pilots.pilot import Pilot
-from swamp_rl.pilots.store import BUILT_IN, DESCRIPTION, load_pilot, unknown_name
+from swamp_rl.pilots.store import BUILT_IN, DESCRIPTION, unknown_name
+from swamp_rl.pilots.store import load_pilot as load_stored
 
 CLASS = re.compile(r"(?P<kind>[A-Za-z_][\w.]*:[A-Za-z_]\w*)(=(?P<pilot>.+))?")
 
@@ -64,6 +65,23 @@ def asked_pilot(text: str) -> Asked:
     return Asked(named["kind"].partition(":")[2], kind=named["kind"])
 
 
+def load_pilot(name: Path | str) -> Pilot:
+    """Load a pilot by any name that `evaluate` takes.
+
+    - A folder of a stored pilot, the name of one that comes with the package, or `line-of-sight`.
+    - `sb3:model.zip` or `onnx:pilot.onnx`.
+    - `module:Class=FOLDER`: as FOLDER, a pilot of that class, whose module is imported.
+    - `module:function=PILOT`: as PILOT, which observes that term. `module:Class`: called without arguments.
+
+    UserError if there is no such pilot, or if it is damaged, changed, or of code that was not named.
+    """
+    if not isinstance(name, str | Path):
+        raise UserError(
+            f"load_pilot: an object of the type {type(name).__name__} was given; name a pilot or its folder"
+        )
+    return opened(asked_pilot(str(name)))
+
+
 def names_pilot(text: str) -> bool:
     """Whether an argument that may name runs as well names a pilot."""
     kind, colon, _ = text.partition(":")
@@ -77,7 +95,7 @@ def names_pilot(text: str) -> bool:
 def opened(asked: Asked) -> Pilot:
     """The pilot, without any training: a class alone is called without arguments. UserError if it cannot."""
     if asked.folder is not None:
-        return load_pilot(asked.folder)
+        return load_stored(asked.folder)
     if asked.kind in BUILT_IN:
         return BUILT_IN[asked.kind]()
     found = own_class(asked.kind)
