@@ -169,8 +169,8 @@ class Fleet:
 
     @property
     def time(self) -> NDArray[np.float64]:
-        """Time since the start of the episode [s], (n,)."""
-        return self.boats["tick"] * self.step
+        """Time since the start of the episode [s], (n,), rounded to nanoseconds."""
+        return np.round(self.boats["tick"] * self.step, 9)
 
     def outcomes(self, chosen: NDArray[np.intp]) -> list[str | None]:
         """How the episodes of the boats `chosen` ended; None for one that is still running."""

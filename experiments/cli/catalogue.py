@@ -1,5 +1,6 @@
 """`swamp-rl effects`, `boats`, `courses` and `pilots`: what there is, all of it or one by its name."""
 
+import json
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -190,7 +191,7 @@ def _parameter(parameter: "Parameter") -> str:
 def _option_lines(settings: "type[BaseModel]") -> list[str]:
     lines = []
     for key, field in settings.model_fields.items():
-        default = "must be given" if field.is_required() else f"default {field.get_default()!r}"
+        default = "must be given" if field.is_required() else f"default {_as_given(field.get_default())}"
         limits = (
             (getattr(part, name, None), text) for part in field.metadata for name, text in LIMITS.items()
         )
@@ -198,6 +199,13 @@ def _option_lines(settings: "type[BaseModel]") -> list[str]:
         text = f": {' '.join(field.description.split())}" if field.description else ""
         lines.append(f"{key} ({default}{'; ' + bounds if bounds else ''}){text}")
     return lines
+
+
+def _as_given(default: Any) -> str:
+    """A default as an experiment's YAML gives it."""
+    from pydantic_core import to_jsonable_python
+
+    return json.dumps(to_jsonable_python(default), ensure_ascii=False)
 
 
 def _number(value: Any) -> str:

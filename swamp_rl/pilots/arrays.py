@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.whole_number import whole_number
 
@@ -54,8 +55,8 @@ def checked(observation: Any, senses: Sequence[str], boats: int | None = None) -
         )
     if boats is not None and len(seen) != boats:
         raise UserError(
-            f"pilot.act: the observation is of {len(seen)} boats, the pilot was reset for {boats}; call "
-            f"reset({len(seen)}) first"
+            f"pilot.act: the observation is of {counted(len(seen), 'boat')}, the pilot was reset for "
+            f"{boats or 'none'}; call reset({len(seen)}) first"
         )
     if not sound:
         row, place = np.argwhere(~np.isfinite(seen))[0]

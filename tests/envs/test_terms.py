@@ -162,6 +162,13 @@ def test_a_time_limit_and_bounds_take_the_place_of_the_courses() -> None:
     assert narrow.step(np.zeros(2))[4]["outcome"] == "out_of_bounds"
 
 
+def test_the_time_of_an_end_is_a_number_of_steps_without_the_error_of_their_product() -> None:
+    env = GatesEnv(time_limit=12.7)
+    env.reset(seed=0)
+    ended = [env.step(np.zeros(2)) for _ in range(127)]
+    assert ended[-1][4]["time"] == 12.7
+
+
 def test_gymnasiums_own_limit_of_steps_holds_alone_and_in_a_batch() -> None:
     env = gymnasium.make("swamp/Gates-v1", max_episode_steps=7)
     boats: Any = gymnasium.make_vec("swamp/Gates-v1", num_envs=2, max_episode_steps=7)

@@ -46,7 +46,7 @@ def test_a_wrong_shape_and_values_that_are_no_numbers_are_refused(kind: str) -> 
 @pytest.mark.parametrize("kind", ["scripted", "reservoir", "gru", "takeover"])
 def test_a_pilot_with_states_asks_for_a_reset_for_the_number_of_boats(kind: str) -> None:
     pilot = PILOTS[kind]()
-    with pytest.raises(UserError, match=r"of 3 boats, the pilot was reset for 0; call reset\(3\) first"):
+    with pytest.raises(UserError, match=r"of 3 boats, the pilot was reset for none; call reset\(3\) first"):
         pilot.act(np.zeros((3, len(pilot.senses))))
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+import yaml
 
 from swamp_rl.boat import load_boat
 from swamp_rl.effects import LIBRARY
@@ -88,6 +89,9 @@ def test_every_kind_of_pilot_tells_its_options_with_default_and_bounds(call: Cal
         assert lines(call, "pilots", kind)
     (decisions,) = (line for line in lines(call, "pilots", "ppo") if line.startswith("decisions"))
     assert decisions == "decisions (default 1200000; at least 1, at most 1000000000)"
+    (fitted,) = (line for line in lines(call, "pilots", "dagger") if line.startswith("learner"))
+    default = yaml.safe_load(fitted.partition("(default ")[2].partition("})")[0] + "}")
+    assert default["senses"][0] == "north" and default["forgetting"] is None
 
 
 @pytest.mark.parametrize(
