@@ -190,7 +190,6 @@ def record_scripted_runs(
             skills=[skill],
             tick=tick,
             new=True,
-            exact=True,
         )
     recorded = read_dataset(out)
     typer.echo(f"{out}: {counted(len(recorded.runs), 'run')}, {len(recorded.successful)} of them successful")

@@ -81,10 +81,10 @@ class Part(BaseModel):
 
 
 class Record(Part):
-    """Runs of the scripted pilot to be recorded: `good` ones, and all that fail meanwhile, `failed` or more.
+    """Runs of the scripted pilot to be recorded: the first `good` successful and `failed` failed ones.
 
-    disturbances: the level they are driven at, None for none. skills: of the drivers, each of whom drives as
-    many runs, in the same episodes.
+    Other failed runs are left out. disturbances: the level they are driven at, None for none. skills: of the
+    drivers, each of whom drives as many runs, in the same episodes.
     """
 
     good: Count = 40

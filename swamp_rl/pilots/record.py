@@ -1,6 +1,5 @@
 """Record runs of the scripted pilot as a dataset."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -94,11 +93,10 @@ class Driver(Protocol):
 
 
 class Wanted(NamedTuple):
-    """Numbers of runs to be recorded: successful ones, failed ones, and the most failed ones."""
+    """Numbers of runs to be recorded: successful and failed ones."""
 
     good: int
     failed: int
-    most_failed: float
 
 
 MakeBoats = Callable[[int, tuple[str, ...]], Boats]
@@ -119,15 +117,13 @@ def record_scripted(
     skills: Sequence[Skill] = ("usual",),
     tick: Callable[[int], None] = lambda good: None,
     new: bool = False,
-    exact: bool = False,
 ) -> None:
-    """Write `count` successful runs and the failed ones driven meanwhile, at least `failed`, into `out`.
+    """Write the first `count` successful and the first `failed` failed runs into `out`.
 
     make_boats: builds boats of `boat` on `course` at `step` [s] with the disturbances of the runs. Each run
-    stores seed, initial state and disturbances of its episode. With several `skills` there are `count` of
+    stores seed, initial state and disturbances of its episode. With several `skills` there are as many of
     each, in the same episodes, and each run stores its skill; habits replaces those of the skills.
     `tick` is called with the number of successful runs. With `new`, no earlier dataset is replaced.
-    With `exact`, the first `failed` failed runs are written and no others.
     UserError where the folder holds other data or the pilot hardly ever succeeds.
     """
     vehicle = load_boat(boat)
@@ -139,8 +135,7 @@ def record_scripted(
                 pilot = ScriptedPilot(seed, habits or habits_of(skill, vehicle.length), step)
                 stored, prefix = ({"skill": skill}, f"{skill}-") if len(skills) > 1 else ({}, "")
                 report = partial(_after, tick, number * count)
-                wanted = Wanted(count, failed, failed if exact else math.inf)
-                _fill(part, boats, pilot, vehicle, wanted, seed, report, (stored, prefix))
+                _fill(part, boats, pilot, vehicle, Wanted(count, failed), seed, report, (stored, prefix))
     finally:
         boats.close()
 
@@ -169,13 +164,13 @@ def _fill(
             boats, pilot, vehicle, episodes.integers(2**31, 2**32, AT_ONCE), pilot.step
         ):
             succeeded = run.meta.outcome == "success"
-            if good == wanted.good if succeeded else bad == wanted.most_failed:
+            if good == wanted.good if succeeded else bad == wanted.failed:
                 continue
             number, good, bad = good + bad + 1, good + succeeded, bad + (not succeeded)
             meta = run.meta.model_copy(update=named[0])
             append_run(folder, Run(f"{named[1]}run-{number:03d}", run.columns, meta))
             tick(good)
-            if good == wanted.good and bad >= wanted.failed:
+            if (good, bad) == wanted:
                 return
         pilot.reset_boats(np.ones(AT_ONCE, dtype=bool))
     raise UserError(
