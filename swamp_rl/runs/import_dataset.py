@@ -26,6 +26,7 @@ from swamp_rl.runs.kind_of_file import SUFFIXES
 from swamp_rl.runs.local_frame import Place, origin_of
 from swamp_rl.runs.mcap_files import read_mcap
 from swamp_rl.runs.missing_marks import without_marks
+from swamp_rl.runs.resample import resampled_run
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import META, DatasetMeta, Source, entries_of
 from swamp_rl.runs.table import read_table
@@ -131,6 +132,8 @@ def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishe
         boat = load_boat(source)
         runs = _earlier(_all_runs(found, wishes, boat), wishes)
         runs = _ended(runs, about, course, boat, metadata is None)
+        if wishes.resample is not None and not any(one.even for one in found):
+            runs = [resampled_run(run, wishes.resample) for run in runs]
         return _write(Path(out), _described(about, boat, metadata, runs, wishes), runs, source, course)
 
 

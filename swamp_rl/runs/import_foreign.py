@@ -19,7 +19,7 @@ from swamp_rl.runs.check import MISSING, REPEATS, check_table
 from swamp_rl.runs.columns import NO_THRUSTER, REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import NEAR, Place, distance, to_local
-from swamp_rl.runs.resample import ANGLES, resampled
+from swamp_rl.runs.resample import ANGLES
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import DatasetMeta, RunMeta, of_part
 from swamp_rl.runs.stamps import FASTEST, NO_TIME, from_numbers
@@ -84,7 +84,7 @@ class Wishes:
 
 
 def runs_from(found: Foreign, wishes: Wishes, boat: Boat, origins: Sequence[Place] = ()) -> list[Run]:
-    """The runs in a foreign table: one, or several where it is split at its bad rows.
+    """The runs in a foreign table, as logged: one, or several where it is split at its bad rows.
 
     origins: of tables imported before; the first one within NEAR of the table's first place is its origin,
     where `wishes` name none.
@@ -115,7 +115,7 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat, origins: Sequence[Plac
             faults = [fault for fault in faults if not _of_steps(fault)]
             faults += gap_faults(found.file, time, rows, wishes.fill)
         refuse(found, wishes, faults)
-        return [_run(found.name, columns, metadata, wishes.resample)]
+        return [Run(found.name, columns, RunMeta.model_validate(metadata))]
     refuse(found, wishes, [fault for fault in faults if fault.row is None and not _is_of_rate(fault)])
     wrong = [fault for fault in faults if fault.row is not None and not _of_steps(fault)]
     even = wishes.resample is None
@@ -129,7 +129,7 @@ def runs_from(found: Foreign, wishes: Wishes, boat: Boat, origins: Sequence[Plac
             found, wishes, [f for f in check_table(found.file, Table(taken, rows[part]), boat, None) if even]
         )
         own = of_part(metadata, first=part[0] == 0, last=part[-1] == len(rows) - 1)
-        runs.append(_run(name, taken, own, wishes.resample))
+        runs.append(Run(name, taken, RunMeta.model_validate(own)))
         metadata.pop("rows_left_out", None)
     return runs
 
@@ -237,18 +237,6 @@ def _is_of_rate(fault: Fault) -> bool:
 
 def _of_steps(fault: Fault) -> bool:
     return fault.column == "time" and ("the row before" in fault.message or "come after" in fault.message)
-
-
-def _run(name: str, columns: dict[str, Array], metadata: Mapping[str, Any], resample: float | None) -> Run:
-    if resample is None:
-        return Run(name, columns, RunMeta.model_validate(metadata))
-    even = resampled(columns, resample)
-    longest = float(np.diff(columns["time"]).max())
-    message = (
-        f"{len(columns['time'])} rows to {len(even['time'])}, {resample:g} a second; "
-        f"longest step between rows {longest:.3g} s"
-    )
-    return Run(name, even, RunMeta.model_validate({**metadata, "resampled": message}))
 
 
 def _renamed(

@@ -1,9 +1,14 @@
 """Columns of a run at even times."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from swamp_rl.errors import UserError
+from swamp_rl.runs import read_dataset
+from swamp_rl.runs.import_dataset import About, import_runs
+from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.resample import ALWAYS, MOST_CELLS, most_rows, resampled
 
 
@@ -26,3 +31,17 @@ def test_resampling_turns_the_short_way_and_holds_commands() -> None:
     found = resampled(columns, 4.0)
     assert np.abs(found["heading"]).min() > 3.05
     assert found["joy_angle"].tolist() == [-1.0, -1.0, -1.0, -1.0, 1.0]
+
+
+def test_a_run_ends_as_its_logged_rows_tell_though_the_last_is_between_those_of_the_grid(
+    tmp_path: Path,
+) -> None:
+    """Midship passes the last gate of camogli, at 22 m north, after the last row of the grid."""
+    times = np.append(np.arange(40) * 0.1, 3.95)
+    north = np.interp(times, [0.0, 3.92], [0.0, 22.0])
+    rows = zip(times, north, np.interp(north, [8.0, 20.0], [0.0, 8.0]), 0.0 * times, strict=True)
+    log = tmp_path / "log.csv"
+    log.write_text("time,north,east,heading\n" + "".join(",".join(map(str, row)) + "\n" for row in rows))
+    import_runs([log], "csv", tmp_path / "out", About(course="camogli"), Wishes(resample=10.0))
+    run = read_dataset(tmp_path / "out").runs[0]
+    assert (run.meta.outcome, round(run.duration, 9)) == ("success", 3.9)
