@@ -32,7 +32,11 @@ SOMEWHERE = "<layer>"
 
 
 def load_experiment(
-    name_or_path: str | Path, overrides: Iterable[str] = (), given: Mapping[str, str] | None = None
+    name_or_path: str | Path,
+    overrides: Iterable[str] = (),
+    given: Mapping[str, str] | None = None,
+    over: Layer | None = None,
+    unread: Collection[str] = (),
 ) -> Experiment:
     """The experiment of a file, given by path, by its bare name in configs/experiments or by its results.
 
@@ -40,11 +44,20 @@ def load_experiment(
     `key=value` with a dotted key and a YAML value, and come last. A file or overrides that give other levels
     remove the targets of the files below at levels that are no longer evaluated. UserError names the file, or
     the override, and the key of the first fault. given: where an override comes from, by its text; by
-    default `override TEXT`.
+    default `override TEXT`. over: a layer between the files and the overrides. unread: keys of the files that
+    are left out, whatever they hold.
     """
     path, named = _file_of(name_or_path), _named(overrides, given or {})
     allowed = {text for _, override in named for text in _texts(override)}
-    return _read(with_targets_evaluated([*([layer] for layer in _extended(path, (), allowed)), named]))
+    layers = [
+        (file, {key: value for key, value in data.items() if key not in unread})
+        for file, data in _extended(path, ())
+    ]
+    for file, data in layers:
+        if file.name == KEPT:
+            _refuse_code(file, data, allowed)
+    above = [*([] if over is None else [over]), *named]
+    return _read(with_targets_evaluated([*([layer] for layer in layers), above]))
 
 
 def overridden(
@@ -152,22 +165,20 @@ def _check_keys_of_kind(where: str, plan: PilotPlan) -> None:
         raise UserError(f"{where}.takeover: it would take over from itself; drop the key")
 
 
-def _extended(path: Path, seen: tuple[Path, ...], allowed: Collection[str]) -> list[Layer]:
+def _extended(path: Path, seen: tuple[Path, ...]) -> list[tuple[Path, dict[str, Any]]]:
     """The layers of the file at `path`: those of the experiment that it extends, then its own."""
     if path.resolve() in seen:
         raise UserError(f"{path}: extends itself by way of {seen[-1].name}; end the circle")
     data = read_yaml(path)
     refuse_other_kind(path, data, "experiment")
-    if path.name == KEPT:
-        _refuse_code(path, data, allowed)
-    else:
+    if path.name != KEPT:
         _find_beside(path, data)
     base = data.pop("extends", None)
     if base is None:
         return [(path, data)]
     if not isinstance(base, str):
         raise UserError(f"{path}: extends must name another experiment, not {in_yaml(base)}")
-    return [*_extended(_base_of(path, base), (*seen, path.resolve()), allowed), (path, data)]
+    return [*_extended(_base_of(path, base), (*seen, path.resolve())), (path, data)]
 
 
 def _base_of(path: Path, base: str) -> Path:

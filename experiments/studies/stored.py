@@ -25,6 +25,8 @@ from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 
 CHANGEABLE = ("evaluation", "targets")
 """What may differ from the experiment that the pilots were trained in."""
+OF_TRAINING = ("pilots", "targets", "hidden", "claims")
+"""What does not matter to the experiment in whose boat, course and levels other pilots are evaluated."""
 USUAL = "camogli"
 """The experiment of the boat and the course that the environment has where nothing else is asked of it."""
 
@@ -111,14 +113,12 @@ def _of_pilots(
     config = homes[0] / CONFIG if name is None else kept_config(name)
     home = config.parent if config is not None and config.name == CONFIG else None
     with same_configs(config):
-        base = load_experiment(homes[0] if name is None else name)
-        settings: dict[str, Any] = {"name": "evaluation", "description": "", "hidden": None, "claims": None}
-        settings["targets"] = Targets()
+        settings: dict[str, Any] = {"name": "evaluation", "description": "", "pilots": plans, **asked}
         if home is not None and (home / "data").is_dir():
-            runs = str((home / "data").resolve())
-            settings["data"] = base.data.model_copy(update={"folder": runs, "sha256": None})
-        bare = base.model_copy(update=settings | {"pilots": {}})
-        experiment = overridden("evaluate", bare, {**asked, "pilots": plans}, overrides)
+            settings["data"] = {"folder": str((home / "data").resolve()), "sha256": None}
+        experiment = load_experiment(
+            homes[0] if name is None else name, overrides, over=("evaluate", settings), unread=OF_TRAINING
+        )
         return evaluated(experiment, "evaluate", out, None)
 
 

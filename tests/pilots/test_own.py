@@ -82,6 +82,8 @@ def test_the_documents_example_is_trained_and_evaluated_beside_the_others(
         with pytest.raises(UserError, match="my_pilot:MyPilot"):
             refused()
         assert "my_pilot" not in sys.modules and not (place / "no").exists()
+    beside = evaluate_folders([out / "pilots" / "scripted"], {"episodes": 2}, out=place / "beside")
+    assert set(rates(beside)) == {"scripted"} and "my_pilot" not in sys.modules
     again = evaluate_folders([f"my_pilot:MyPilot={out}"], {"seed": 9}, out=place / "again")
     assert set(rates(again)) == {"scripted", "mine"}
 
