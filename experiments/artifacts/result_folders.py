@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -58,15 +59,20 @@ class Result:
 
 @dataclass(frozen=True)
 class Entrant:
-    """One training method: its name, and the results of each of its training seeds."""
+    """One training method: its name, and for each of its training seeds the pilot and its result."""
 
     label: str
     pilot: str
-    results: tuple[Result, ...]
+    trained: tuple[tuple[str, Result], ...]
+
+    @property
+    def results(self) -> tuple[Result, ...]:
+        """The result of each training seed."""
+        return tuple(result for _, result in self.trained)
 
     def tables(self, level: str) -> list[Table]:
         """Its episodes at a level, one table for each training seed."""
-        return [result.tables[self.pilot, level] for result in self.results]
+        return [result.tables[pilot, level] for pilot, result in self.trained]
 
 
 def find_results(paths: Iterable[Path]) -> list[Path]:
@@ -112,62 +118,88 @@ def _experiment(path: Path) -> dict[str, Any]:
 
 
 def entrants(results: Sequence[Result]) -> list[Entrant]:
-    """The pilots of all results; those that differ in nothing but seeds are seeds of one entrant.
+    """The pilots of all results; those that differ in nothing but seeds are seeds of one entrant, those of
+    one result under the name of `_methods`.
 
     A pilot of the same seeds in several results, copied or evaluated again, is one, with the episodes of all;
     so is one that its seeds do not touch. UserError where the same seeds did different things in an episode.
     """
-    groups: dict[tuple[str, str], list[Result]] = {}
+    groups: dict[tuple[str, str], list[tuple[str, Result]]] = {}
     for result in results:
-        for pilot in result.pilots:
-            groups.setdefault((pilot, _mark(seedless(plan_of(result, pilot)))), []).append(result)
+        for pilot, method in _methods(result).items():
+            key = method, _mark(seedless(plan_of(result, pilot)))
+            groups.setdefault(key, []).append((pilot, result))
     made = []
-    for (pilot, _), members in groups.items():
-        shared = sum(other == pilot for other, _ in groups) > 1
-        label = f"{pilot} ({members[0].folder.resolve().name})" if shared else pilot
-        made.append(Entrant(label, pilot, _different(pilot, members)))
+    for (method, _), members in groups.items():
+        shared = sum(other == method for other, _ in groups) > 1
+        label = f"{method} ({members[0][1].folder.resolve().name})" if shared else method
+        made.append(Entrant(label, method, _different(members)))
     labels = [one.label for one in made]
     return [
-        Entrant(f"{one.pilot} ({one.results[0].folder})", one.pilot, one.results)
+        Entrant(f"{one.pilot} ({one.results[0].folder})", one.pilot, one.trained)
         if labels.count(one.label) > 1
         else one
         for one in made
     ]
 
 
-def _different(pilot: str, members: Sequence[Result]) -> tuple[Result, ...]:
-    trained: dict[str, Result] = {}
-    for result in members:
+def _methods(result: Result) -> dict[str, str]:
+    """The name of its training method by pilot: its own, or, where several differ in seeds only, what their
+    names begin with, or the first name where that is another's."""
+    alike: dict[str, list[str]] = {}
+    for pilot in result.pilots:
+        alike.setdefault(_mark(seedless(plan_of(result, pilot))), []).append(pilot)
+    groups: list[list[str]] = []
+    for names in alike.values():
+        trained = {_mark(plan_of(result, name)) for name in names}
+        groups += [names] if len(trained) == len(names) else [[name] for name in names]
+    stems = [_stem(names) if len(names) > 1 else names[0] for names in groups]
+    found: dict[str, str] = {}
+    for stem, names in zip(stems, groups, strict=True):
+        own = stem and stems.count(stem) == 1 and (stem in names or stem not in result.pilots)
+        found |= dict.fromkeys(names, stem if own else names[0])
+    return {pilot: found[pilot] for pilot in result.pilots}
+
+
+def _stem(names: Sequence[str]) -> str:
+    """What all names begin with, without the digits and marks at its end."""
+    same = takewhile(lambda letters: len(set(letters)) == 1, zip(*names, strict=False))
+    return "".join(letters[0] for letters in same).rstrip("0123456789-_. ")
+
+
+def _different(members: Sequence[tuple[str, Result]]) -> tuple[tuple[str, Result], ...]:
+    trained: dict[str, tuple[str, Result]] = {}
+    for pilot, result in members:
         plan = _mark(plan_of(result, pilot))
-        trained[plan] = _joined(pilot, trained[plan], result) if plan in trained else result
-    kept: dict[str, Result] = {}
-    for result in trained.values():
-        kept.setdefault(_did(pilot, result), result)
+        trained[plan] = _joined(*trained[plan], pilot, result) if plan in trained else (pilot, result)
+    kept: dict[str, tuple[str, Result]] = {}
+    for one in trained.values():
+        kept.setdefault(_did(*one), one)
     return tuple(kept.values())
 
 
-def _joined(pilot: str, first: Result, other: Result) -> Result:
-    """The first result with the episodes that the same pilot drove in the other one only.
+def _joined(name: str, first: Result, pilot: str, other: Result) -> tuple[str, Result]:
+    """The first pilot and result, with the episodes that the same pilot drove in the other one only.
 
     UserError where it did otherwise in an episode that both have.
     """
     tables = dict(first.tables)
     for level in other.levels:
-        more, own = other.tables.get((pilot, level)), tables.get((pilot, level))
+        more, own = other.tables.get((pilot, level)), tables.get((name, level))
         if more is None or own is None:
-            tables |= {} if more is None else {(pilot, level): more}
+            tables |= {} if more is None else {(name, level): more}
             continue
         _, ours, theirs = np.intersect1d(own["seed"], more["seed"], return_indices=True)
-        if any(own[name][ours].tobytes() != more[name][theirs].tobytes() for name in DOINGS):
+        if any(own[one][ours].tobytes() != more[one][theirs].tobytes() for one in DOINGS):
             raise UserError(
                 f"{other.folder}: {pilot} did otherwise than in {first.folder} in the same episodes, though "
                 "trained alike from the same seeds; other versions made them, name one of the two"
             )
         new = np.setdiff1d(np.arange(len(more["seed"])), theirs)
-        tables[pilot, level] = {
-            name: np.concatenate([own[name], more[name][new]]) for name in own if name in more
+        tables[name, level] = {
+            column: np.concatenate([own[column], more[column][new]]) for column in own if column in more
         }
-    return replace(first, tables=tables)
+    return name, replace(first, tables=tables)
 
 
 def _did(pilot: str, result: Result) -> str:

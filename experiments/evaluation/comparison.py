@@ -106,7 +106,7 @@ def common_episodes(results: Sequence[Result]) -> tuple[Episodes, list[str]]:
 
 def repeat_notes(results: Sequence[Result], pilots: Sequence[Entrant]) -> list[str]:
     """A line for each result with pilots that are those of an earlier one, so that they count once."""
-    counted = {(one.pilot, result.folder) for one in pilots for result in one.results}
+    counted = {(pilot, result.folder) for one in pilots for pilot, result in one.trained}
     notes = []
     for result in results:
         again = [pilot for pilot in result.pilots if (pilot, result.folder) not in counted]

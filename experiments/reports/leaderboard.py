@@ -95,7 +95,7 @@ def _rows(title: str, entrant: Entrant, rng: np.random.Generator) -> list[Row]:
 
 
 def _cells(entrant: Entrant, level: str, found: dict[str, Any], episodes: int) -> tuple[Any, ...]:
-    first = entrant.results[0]
+    pilot, first = entrant.trained[0]
     rate = found["success"]
     span = "–" if rate["low"] is None else f"{100 * rate['low']:.1f}–{100 * rate['high']:.1f}"
     commits = sorted({str(r.versions.get("commit") or "unknown") for r in entrant.results})
@@ -108,7 +108,7 @@ def _cells(entrant: Entrant, level: str, found: dict[str, Any], episodes: int) -
         (str(len(entrant.results)), len(entrant.results)),
         (str(episodes), episodes),
         *(_number(found.get(cost), form) for cost, form in _COSTS),
-        (_data(entrant, first),) * 2,
+        (_data(pilot, first),) * 2,
         (", ".join(experiments),) * 2,
         (", ".join(commits),) * 2,
     )
@@ -121,9 +121,9 @@ def _number(value: float | None, form: str) -> tuple[str, float | str]:
     return ("–", "Infinity") if value is None else (form.format(value), value)
 
 
-def _data(entrant: Entrant, result: Result) -> str:
+def _data(pilot: str, result: Result) -> str:
     """What the pilot learned from, in the words of its results."""
-    learned = _text(result.results, "pilots", entrant.pilot, "learned_from")
+    learned = _text(result.results, "pilots", pilot, "learned_from")
     source = _text(result.results, "data", "source")
     return f"{source}: {learned}" if source and learned else learned
 

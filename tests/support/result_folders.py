@@ -1,6 +1,8 @@
 """Folders of results with chosen outcomes."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -8,7 +10,8 @@ import yaml
 
 from swamp_rl.evaluation import write_episodes
 
-PILOTS = {"reservoir": {"kind": "reservoir", "options": {"seed": 0}}, "ppo": {"kind": "ppo", "options": {}}}
+KINDS = {"reservoir": "reservoir", "ppo": "ppo", "clone-1": "cloning", "clone-2": "cloning"}
+"""Of the pilots, by name."""
 
 
 def folder_of(
@@ -19,12 +22,16 @@ def folder_of(
     course: str = "camogli",
     ridge: float = 3.0,
     electric: bool = False,
+    seeds: Mapping[str, int] = MappingProxyType({}),
 ) -> Path:
     """A folder of results in which each pilot of `success` succeeded so (n,) at `calm`.
 
-    electric: with the costs of a boat that has a battery.
+    electric: with the costs of a boat that has a battery. seeds: of pilots not trained by `seed`.
     """
-    pilots = {name: {**PILOTS[name], "options": {"seed": seed, "ridge": ridge}} for name in success}
+    pilots = {
+        name: {"kind": KINDS[name], "options": {"seed": seeds.get(name, seed), "ridge": ridge}}
+        for name in success
+    }
     experiment = {"name": "small", "boat": "swamp", "course": course, "step": 0.1, "pilots": pilots}
     for what in ("boats", "courses"):
         (path / "config" / what).mkdir(parents=True)

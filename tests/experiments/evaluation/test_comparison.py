@@ -66,6 +66,21 @@ def test_folders_of_training_seeds_are_one_pilot_with_that_many_seeds(tmp_path: 
     assert found["improvement"][0]["value"] == 1.0
 
 
+def test_pilots_of_one_folder_that_differ_in_seeds_only_are_one_training_method(tmp_path: Path) -> None:
+    won = {"ppo": np.ones(20), "clone-1": np.arange(20) < 15, "clone-2": np.arange(20) < 12}
+    folder = folder_of(tmp_path / "one", won, seeds={"clone-1": 1, "clone-2": 2})
+    found = compare([folder])
+    assert [(p["name"], p["seeds"]) for p in found["pilots"]] == [("ppo", 1), ("clone", 2)]
+    assert found["pilots"][1]["levels"]["calm"]["by_seed"] == [0.75, 0.6]
+    assert {(row["a"], row["b"]) for row in found["differences"]} == {("ppo", "clone")}
+    assert found["notes"] == []
+
+
+def test_pilots_of_one_folder_with_the_same_plan_and_seed_keep_their_names(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "one", {"clone-1": np.ones(20), "clone-2": np.arange(20) < 12})
+    assert [one.label for one in entrants([read_result(folder)])] == ["clone-1", "clone-2"]
+
+
 def test_a_pilot_of_other_options_is_another_pilot_and_named_by_its_folder(tmp_path: Path) -> None:
     a = folder_of(tmp_path / "stiff", {"reservoir": np.ones(20)}, ridge=30.0)
     b = folder_of(tmp_path / "loose", {"reservoir": np.zeros(20)}, ridge=0.3)
