@@ -22,7 +22,8 @@ Tables = Mapping[tuple[str, str], Table]
 def gather(scene: Scene, dataset: Dataset, tables: Tables) -> dict[str, Any]:
     """All of results.json but what was measured of the job itself."""
     experiment = scene.experiment
-    data = data_results(dataset)
+    kinds = [learner(plan.kind) for plan in experiment.pilots.values()]
+    data = data_results(dataset) | {"trained_on": any(one.from_runs or one.by_trying for one in kinds)}
     levels = pilot_results(tables)
     return {
         "name": experiment.name,

@@ -61,11 +61,16 @@ def _opening(results: Results) -> str:
     data = results["data"]
     return (
         f"# {results['name']}: success and costs of the pilots\n\n"
-        f"Boat `{results['boat']}` on the course `{results['course']}`. Training data: "
+        f"Boat `{results['boat']}` on the course `{results['course']}`. {_use(data)}: "
         f"{counted(data['successful'], 'successful run')} ({data['source']}, {data['minutes']:.1f} min). "
         f"Every pilot was evaluated in the same {results['evaluation']['episodes']} seeded episodes at each "
         f"level of disturbance. **{targets_reached(results['targets'])}**"
     )
+
+
+def _use(data: Mapping[str, Any]) -> str:
+    """What the runs are to the pilots: all of these may have been trained elsewhere, on other runs."""
+    return "Training data" if data["trained_on"] else "Runs for comparison"
 
 
 def targets_reached(targets: Sequence[Mapping[str, Any]]) -> str:
@@ -141,21 +146,26 @@ def _made_for(pilot: Mapping[str, Any]) -> str:
     return f", made for {pilot['made_for']}" if pilot.get("made_for") else ""
 
 
+def _fitted_on(pilot: Mapping[str, Any]) -> str:
+    runs = pilot.get("fitted_on")
+    return f", trained on {counted(runs['runs'], 'run')} ({runs['source']})" if runs else ""
+
+
 def _training(results: Results) -> str:
     data = results["data"]
     learners = [
-        f"* **{name}**: {pilot['learned_from']}{_made_for(pilot)}"
+        f"* **{name}**: {pilot['learned_from']}{_fitted_on(pilot)}{_made_for(pilot)}"
         for name, pilot in results["pilots"].items()
         if pilot["learned_from"]
     ]
     failed = data["runs"] - data["successful"]
     return (
-        "## Training data\n\n"
+        f"## {_use(data)}\n\n"
         f"{counted(data['runs'], 'run')}, of which {failed} failed. Failed runs are kept and marked; a "
         "pilot is trained on them only where this list says so.\n\n"
         + "\n".join(learners)
         + "".join(f"\n* Note: {line}" for line in data["notes"])
-        + "\n\n![Training tracks](figures/training_tracks.png)"
+        + "\n\n![Tracks of these runs](figures/training_tracks.png)"
     )
 
 

@@ -20,8 +20,11 @@ def draw_figures(
 ) -> None:
     """The PNGs of the report, into `folder`."""
     folder.mkdir()
-    panels = training_panels(dataset.runs)
-    figures.tracks(folder / "training_tracks.png", scene.course, [panels], "Training runs")
+    panels, title = (
+        training_panels(dataset.runs),
+        "Training runs" if results["data"]["trained_on"] else "Runs",
+    )
+    figures.tracks(folder / "training_tracks.png", scene.course, [panels], title)
     names = list(scene.experiment.pilots)
     rows = [[(f"{name}, {level}", tried.shown[name, level]) for level in scene.levels] for name in names]
     figures.tracks(folder / "tracks.png", scene.course, rows, "Tracks by pilot and level", names)

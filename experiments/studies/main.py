@@ -37,8 +37,12 @@ def do_experiment(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any
         results["data"]["notes"] = notes(scene, dataset)
         for name in pilots:
             place = folder / "pilots" / name
-            made_for = other_boat(describe_pilot(place).made, scene.boat)
+            about = describe_pilot(place)
+            made_for = other_boat(about.made, scene.boat)
             results["pilots"][name] |= {"sha256": pilot_hash(place), "made_for": made_for}
+            if results["pilots"][name]["kind"] == "stored" and about.fitted_on is not None:
+                runs = {"runs": len(about.fitted_on.runs), "source": about.fitted_on.source}
+                results["pilots"][name]["fitted_on"] = runs
     with progress.stage("race"):
         race = fly_race(scene, dataset, pilots)
     _show(scene, folder, dataset, tried, race, results, progress)

@@ -160,6 +160,9 @@ def test_stored_pilots_of_several_folders_drive_the_same_episodes(place: Path) -
     assert list(results["pilots"]) == ["run-net", "trained-net", "ppo"]
     first, second = (results["pilots"][name]["levels"] for name in ("run-net", "trained-net"))
     assert first == second
+    page = (out / "report.md").read_text()
+    assert "Training data" not in page and "Runs for comparison: 3 successful runs (scripted, " in page
+    assert page.count(", trained on 3 runs (scripted)") == 2  # and ppo on none
 
 
 def test_results_hold_the_hash_of_every_pilot_and_a_stored_one_that_has_changed_since_is_refused(
