@@ -4,12 +4,16 @@ import math
 import re
 import shlex
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from swamp_rl.boat import Boat
-from swamp_rl.logs.log import Log
+from swamp_rl.errors import UserError
+from swamp_rl.logs.log import Array, Log
 from swamp_rl.runs.columns import command_columns, command_limits
 from swamp_rl.runs.import_foreign import in_expression
+from swamp_rl.runs.stamps import from_numbers
+from swamp_rl.runs.units import factor
 
 WORD = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+|%|°")
 UNITS = {
@@ -44,7 +48,7 @@ SAME = {
 }
 """Other words for a word."""
 PERCENT = "percent"
-SOURCES = "ahrs baro data ekf est estimated fix fused gnss gps imu ins meas measured nav raw ros usv"
+SOURCES = "ahrs baro data ekf est estimated fix fused gnss gps imu ins meas measured nav original raw ros usv"
 """Words for where a quantity is from, which are left out."""
 NAMES = {
     "time": "time, t, ts, utc, datetime, date time, utc time",
@@ -66,6 +70,7 @@ POSITIONS = ("latitude", "longitude"), ("north", "east"), ("x", "y")
 REQUIRED_POSITION = POSITIONS[1]  # of the run format
 VELOCITY = "velocity_north", "velocity_east"
 """Quantities of which one alone is none; the first position that is there is taken."""
+TIMES = NAMES["time"].split(", ")
 LONGEST = 100
 """Characters of a name that is suggested."""
 OF_TIME = "ms", "us", "ns"
@@ -114,7 +119,7 @@ def _suggested(log: Log, boat: Boat) -> dict[str, Suggestion]:
         for table in log.tables.values()
         for column in table.table.columns
         if len(column) <= LONGEST and column.isprintable() and "`" not in column
-        for words, unit in [_words_of(column)]
+        for words, unit in [_words_of(column, table.table.columns[column])]
     ]
     found: dict[str, Suggestion] = {}
     for name, known in NAMES.items():
@@ -163,14 +168,25 @@ def _is_named(command: str, words: frozenset[str], percent: bool) -> bool:
     return bool(kinds & words) and words <= _set_of(command.replace("_", " ")) | kinds
 
 
-def _words_of(column: str) -> tuple[frozenset[str], str]:
-    """The words of a column's name without its unit and source, and the unit."""
+def _words_of(column: str, values: Array) -> tuple[frozenset[str], str]:
+    """The words of a column's name without its unit and source, and the unit; of a time whose name has none,
+    that of its steps."""
     words = [word.lower() for word in WORD.findall(column)]
     units = [UNIT_OF[word] for word in words[1:] if word in UNIT_OF]
     unit = "deg/s" if "deg" in units and words[-1] == "s" else next(filter(None, units), "")
     plain = words[:1] + [word for word in words[1:] if word not in UNIT_OF]
     kept = [word for word in plain if word not in SOURCES.split()] or plain
-    return _set_of(" ".join(kept)), unit
+    named = _set_of(" ".join(kept))
+    return named, unit or (_unit_of_steps(values) if named in map(_set_of, TIMES) else "")
+
+
+def _unit_of_steps(stamps: Array) -> str:
+    """The first of seconds (empty) and `OF_TIME` in which times are as far apart as an import takes them."""
+    for unit in ("", *OF_TIME):
+        with suppress(UserError):
+            from_numbers(stamps, "", factor("time", unit) if unit else None)
+            return unit
+    return ""
 
 
 def _set_of(words: str) -> frozenset[str]:

@@ -152,3 +152,19 @@ def test_logs_with_other_columns_have_no_common_options(call: Call, tmp_path: Pa
     again.parent.mkdir()
     again.write_bytes(logs[0].read_bytes())
     assert call(logs[0], again, "--list").count("by their names") == 1
+
+
+@pytest.mark.parametrize(
+    ("times", "said"),
+    [
+        (4959442.825 + 100.0 * np.arange(3), "original_timestamp [ms]"),
+        (1e6 + 1e5 * np.arange(3), "original_timestamp [us]"),
+        (1e9 + 1e8 * np.arange(3), "original_timestamp [ns]"),
+        (0.1 * np.arange(3), "original_timestamp"),
+        (1.7e12 + 100.0 * np.arange(3), "original_timestamp"),  # since 1970, which an import knows
+    ],
+)
+def test_the_unit_of_times_without_one_is_that_of_their_steps(times: np.ndarray, said: str) -> None:
+    table = Table({"original_timestamp": times, "lat": np.zeros(3)}, np.arange(1, 4))
+    found, missing = suggested("swamp", Log("day.csv", "day", {"day": LogTable("day", table)}))
+    assert found["time"] == said and "time" not in missing
