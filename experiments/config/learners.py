@@ -14,6 +14,7 @@ from pydantic import Field
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan, Record, senses_in
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.pilots.callbacks import Log, Tick
@@ -195,11 +196,12 @@ class ScriptedSettings(Settings):
 
 
 def _of_runs(plan: PilotPlan) -> str:
-    count = "all" if plan.runs is None else f"the first {plan.runs}"
+    noun = "successful run" if plan.outcomes == ("success",) else "run"
+    runs = f"all {noun}s" if plan.runs is None else f"the first {counted(plan.runs, noun)}"
     driver = "" if plan.skill is None else f" of the {plan.skill} driver"
     if plan.outcomes == ("success",):
-        return f"{count} successful runs{driver}"
-    return f"{count} runs{driver} that ended in {' or '.join(plan.outcomes)}"
+        return f"{runs}{driver}"
+    return f"{runs}{driver} that ended in {' or '.join(plan.outcomes)}"
 
 
 def _of_decisions(plan: PilotPlan) -> str:

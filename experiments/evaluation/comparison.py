@@ -19,6 +19,7 @@ from swamp_rl.experiments.artifacts.result_folders import (
     refuse_other_settings,
 )
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import (
     Interval,
@@ -100,7 +101,9 @@ def common_episodes(results: Sequence[Result]) -> tuple[Episodes, list[str]]:
             raise UserError(f"level {level}: no episode that all have driven; evaluate from the same seed")
         most = max(len(seeds) for seeds in driven)
         if most > len(common[level]):
-            notes.append(f"{level}: only the {len(common[level])} episodes that all have driven, of {most}.")
+            notes.append(
+                f"{level}: only the {counted(len(common[level]), 'episode')} that all have driven, of {most}."
+            )
     return common, notes
 
 

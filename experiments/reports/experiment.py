@@ -77,7 +77,7 @@ def targets_reached(targets: Sequence[Mapping[str, Any]]) -> str:
     """How many of an experiment's targets were reached, as a sentence."""
     if not targets:
         return "The experiment sets no targets."
-    return f"{sum(target['reached'] for target in targets)} of {len(targets)} targets were reached."
+    return f"Targets reached: {sum(target['reached'] for target in targets)} of {len(targets)}."
 
 
 def _by_level(results: Results, cell: Callable[[Mapping[str, Any]], str]) -> str:

@@ -31,7 +31,7 @@ def run_table(dataset: Dataset) -> Table:
         title=f"{dataset.folder}: {meta.vehicle}, {meta.mass:g} kg, {meta.sample_rate:g} Hz, {meta.source}"
     )
     if "outcome" in shown:
-        table.caption = f"{len(dataset.successful)} of {len(runs)} runs are marked successful"
+        table.caption = f"{len(dataset.successful)} of {counted(len(runs), 'run')} marked successful"
     for head in shown:
         table.add_column(head, justify="left" if head in ("run", "outcome") else "right")
     for row in zip(*shown.values(), strict=True):

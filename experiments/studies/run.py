@@ -23,6 +23,7 @@ from swamp_rl.experiments.reports.terminal import print_results, write_json
 from swamp_rl.experiments.studies.main import do_experiment
 from swamp_rl.experiments.training.train import get_data, train_pilots
 
+from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.json_text import read_json
@@ -86,7 +87,7 @@ def train_experiment(
                 raise UserError(f"{name_or_path}: no pilot {name!r}{nearest(name, plans)}")
         folder = _folder(scene.experiment, out)
         there = _train(scene, folder, only)
-    print(f"{folder}: {len(there)} of {len(plans)} pilots trained ({', '.join(there)})")
+    print(f"{folder}: {len(there)} of {counted(len(plans), 'pilot')} trained ({', '.join(there)})")
     return folder
 
 

@@ -12,6 +12,7 @@ from swamp_rl.experiments.sweep.propose import trials_of
 from swamp_rl.experiments.sweep.schema import Sweep, override
 from swamp_rl.experiments.sweep.store import Trial
 
+from swamp_rl.counted import counted
 from swamp_rl.figure_style import sheet
 from swamp_rl.files import write_beside
 
@@ -114,7 +115,7 @@ def _page(sweep: Sweep, found: Mapping[str, Any]) -> str:
         f"# {sweep.name}: {objective_line(sweep)}",
         *([sweep.description] if sweep.description else []),
         table(head, rows(sweep, found["trials"], found["measured"])),
-        f"{len(found['trials'])} of {found['planned']} trials, {found['failed']} of them failed. "
+        f"{len(found['trials'])} of {counted(found['planned'], 'trial')}, {found['failed']} of them failed. "
         "Brackets are Wilson 95 % intervals of one trial; the best of many trials is biased upwards: "
         "evaluate it again with another seed before comparing it.",
         "![the objective over each parameter](sweep.png)",

@@ -137,6 +137,6 @@ def _summary(rows: NDArray[np.int64], kept: list[NDArray[np.int64]], lines: list
     spans = ", ".join(f"{rows[part[0]]} to {rows[part[-1]]}" for part in kept[:MOST_TOLD])
     more = f" and {len(kept) - MOST_TOLD} more" if len(kept) > MOST_TOLD else ""
     return [
-        f"{len(rows) - count} of {len(rows)} rows left out; kept are rows {spans}{more}",
+        f"{len(rows) - count} of {counted(len(rows), 'row')} left out; kept are rows {spans}{more}",
         *first_of(lines),
     ]

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from swamp_rl.boat import Boat
 from swamp_rl.clipped import clipped
+from swamp_rl.counted import counted
 from swamp_rl.course import Course
 from swamp_rl.course.outcome import outcome_of
 from swamp_rl.errors import UserError
@@ -141,7 +142,7 @@ def noted(description: Description, meta: DatasetMeta) -> list[str]:
         f"{key} {getattr(meta, key):g} {unit}" for key, unit in units.items() if key in description.lacking
     ]
     found += [f"source {meta.source}"] if "source" in description.lacking else []
-    found += [f"{len(meta.runs)} runs"] if "runs" in description.lacking else []
+    found += [counted(len(meta.runs), "run")] if "runs" in description.lacking else []
     notes = [f"worked out, as no {META} gives it: {', '.join(found)}"] if found else []
     if not meta.copies:
         notes.append(

@@ -38,7 +38,11 @@ def test_success_is_defined_for_any_number_of_gates() -> None:
 
 @pytest.mark.parametrize(
     ("reached", "message"),
-    [([], "sets no targets"), ([True, False], "1 of 2 targets were reached"), ([True], "1 of 1 targets")],
+    [
+        ([], "sets no targets"),
+        ([True, False], "Targets reached: 1 of 2."),
+        ([True], "Targets reached: 1 of 1."),
+    ],
 )
 def test_targets_are_counted_only_where_some_are_set(reached: list[bool], message: str) -> None:
     text = targets_reached([{"reached": one} for one in reached])
