@@ -98,6 +98,21 @@ def test_a_picture_from_above_shows_both_gates_in_their_colours() -> None:
     assert ((green - red > 80) & ~north_of_middle).any()
 
 
+def test_the_picture_has_a_scale_and_shows_where_the_boat_heads() -> None:
+    """A scale bar, black, lies in the south-west; the boat's line reaches two lengths north of midship."""
+    env = gymnasium.make("swamp/Gates-v1", render_mode="rgb_array")
+    env.reset(seed=0)
+    picture: Any = env.render()
+    height, width = picture.shape[:2]
+    corner = picture[height // 2 : height - 3, 3 : width // 2]
+    assert (corner.max(axis=2) < 60).sum() > 50
+    red, green, blue = picture.astype(int).transpose(2, 0, 1)
+    fleet = env.unwrapped.fleet  # type: ignore[attr-defined]
+    bounds, north = fleet.course.bounds, fleet.pose[0, 0]
+    row = (bounds.north - north - 2.0 * 1.24) / (bounds.north - bounds.south) * height
+    assert ((blue - red > 100) & (blue - green > 30))[int(row)].any()
+
+
 def test_a_film_of_every_step_is_as_fast_as_the_boat() -> None:
     from swamp_rl.envs.sb3 import GatesVecEnv
 
