@@ -30,7 +30,6 @@ SHARED = [
 ]
 AHEAD = ["clip((1510-thr_left)/400,-1,1)", "clip((thr_right-1510)/400,-1,1)"]
 SIDES = ["port", "starboard"]
-EARLIER = 0.6  # s, near what `identify boat` finds of the runs as logged
 
 
 def imported(source: Path, boat: Path, out: Path, sides: list[str], earlier: float = 0.0) -> Path:
@@ -58,7 +57,8 @@ def main() -> None:
     doctor = doctor_lines(imported(source, boat, out / "as_named", SIDES))
     runs = imported(source, boat, out / "runs", SIDES[::-1])
     found = identify_boat(runs, boat, file)
-    left = diagnose(imported(source, boat, out / "earlier", SIDES[::-1], EARLIER), file, out / "diagnosis")
+    earlier = imported(source, boat, out / "earlier", SIDES[::-1], found.wiring.advance)
+    left = diagnose(earlier, file, out / "diagnosis")
     lines = [f"verdict `{left.verdict}`", extension_sentence(left), *left.next_steps]
     parts = {
         "doctor": doctor,

@@ -212,14 +212,13 @@ def less_advanced(wiring: Wiring, numbers: Sequence[Number], dt: float) -> Wirin
     """The wiring with commands taken no earlier than the fit needs: a delay that it has added in whole rows
     takes as much of it back.
     """
-    column = [number.field for number in numbers].index("command_delay")
-    added = min(float(wiring.x[column]) - numbers[column].start, wiring.advance)
-    added = math.floor(added / dt + 1e-6) * dt
-    if added <= 0.0:
-        return wiring
-    x = wiring.x.copy()
-    x[column] -= added
-    return replace(wiring, advance=round(wiring.advance - added, 2), x=x)
+    x, back = wiring.x.copy(), 0.0
+    for column, number in enumerate(numbers):
+        if number.field == "command_delay":
+            added = min(float(x[column]) - number.start, wiring.advance)
+            back = max(math.floor(added / dt + 1e-6) * dt, 0.0)
+            x[column] -= back
+    return replace(wiring, advance=round(wiring.advance - back, 2), x=x)
 
 
 def _some_runs(run_set: RunSet) -> RunSet:

@@ -42,4 +42,7 @@ def test_calm_runs_are_reported_once_for_all_trials(
     run_sweep(tmp_path / "sweep.yaml", out=tmp_path / "out")
     message = capsys.readouterr().err
     assert message.count("recorded without disturbances") == message.count("swamp-rl:") == 1
-    assert "pilots.reservoir-alone: 1 of the 1 training runs" in message and "cloning" not in message
+    assert (
+        "pilots.reservoir-alone: recorded without disturbances: 1 of 1 training run;" in message
+        and "cloning" not in message
+    )
