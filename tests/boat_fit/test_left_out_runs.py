@@ -7,14 +7,11 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit import identify
-from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.report import page_of, summary
-from swamp_rl.boat_fit.wiring import Wiring
-from swamp_rl.boat_numbers.numbers import free_numbers
-from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.runs import append_run, inspect_dataset
 from tests.support.from_scratch import written
+from tests.support.quick_fit import fit_thrust_alone
 from tests.support.sailing import sailed_dataset
 
 WEED = "extends: twin.yaml\nname: weed\neffects: [{effect: thrust_scale, scale: 0.25}]\n"
@@ -33,16 +30,7 @@ def test_runs_of_another_thrust_are_left_out_of_the_fit_and_named(
     for number, run in enumerate(inspect_dataset(tmp_path / "odd").runs):
         append_run(data, replace(run, name=f"weed{number}"))
 
-    def few(boat: object, positions: bool) -> tuple[object, ...]:
-        every = free_numbers(load_boat(start), positions)
-        return tuple(one for one in every if "thrust_quadratic" in one.name)
-
-    def as_logged(run_set: RunSet, noise: object, positions: bool) -> Wiring:
-        x = free_boat(run_set.boat, identify.free_numbers(run_set.boat, positions)).start()
-        return Wiring(run_set.boat, (), 0.0, x)
-
-    monkeypatch.setattr(identify, "free_numbers", few)  # two numbers, of commands as they are logged: fast
-    monkeypatch.setattr(identify, "search_wiring", as_logged)
+    fit_thrust_alone(monkeypatch, start)
     with caplog.at_level("INFO", LOG.name):
         found = identify.identify_boat(data, start, tmp_path / "new.yaml")
     assert caplog.text.count("windows of 5 s") == 1  # the runs are judged before the first fit

@@ -6,13 +6,10 @@ import pytest
 
 from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit import identify
-from swamp_rl.boat_fit.hypothesis import free_boat
-from swamp_rl.boat_fit.wiring import Wiring
-from swamp_rl.boat_numbers.numbers import free_numbers
-from swamp_rl.criticism.data.run_set import RunSet
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
 from tests.support.from_scratch import written
+from tests.support.quick_fit import fit_thrust_alone
 from tests.support.sailing import sailed_dataset
 
 
@@ -29,16 +26,7 @@ def test_the_runs_of_several_datasets_are_fitted_together(
 ) -> None:
     start = sailed_days(tmp_path)
 
-    def few(boat: object, positions: bool) -> tuple[object, ...]:
-        every = free_numbers(load_boat(start), positions)
-        return tuple(one for one in every if "thrust_quadratic" in one.name)
-
-    def as_logged(run_set: RunSet, noise: object, positions: bool) -> Wiring:
-        x = free_boat(run_set.boat, identify.free_numbers(run_set.boat, positions)).start()
-        return Wiring(run_set.boat, (), 0.0, x)
-
-    monkeypatch.setattr(identify, "free_numbers", few)  # two numbers, of commands as they are logged: fast
-    monkeypatch.setattr(identify, "search_wiring", as_logged)
+    fit_thrust_alone(monkeypatch, start)
     found = identify.identify_boat([tmp_path / "may", tmp_path / "june"], None, tmp_path / "new.yaml")
     runs = [*found.data.training.names, *found.data.held_out.names]
     assert {name.split("_")[0] for name in runs} == {"may", "june"}
