@@ -13,35 +13,12 @@ from swamp_rl.pilots import own
 from swamp_rl.pilots.own import OwnPilot
 from swamp_rl.pilots.settings import Settings
 from swamp_rl.pilots.store import load_pilot, save_pilot
-
-CLASS = """
-import numpy as np
-
-class Ahead:
-    senses = ("gate_ahead",)
-
-    @classmethod
-    def train(cls, training):
-        return cls()
-
-    def save(self, folder):
-        (folder / "nothing.txt").write_text("")
-
-    @classmethod
-    def load(cls, folder, settings):
-        {load}
-
-    def reset(self, n):
-        pass
-
-    def act(self, observation):
-        return np.tile([1.0, 0.0], (len(observation), 1))
-"""
+from tests.support.own_pilots import own_pilot_module
 
 
 def named_pilot(folder: Path, monkeypatch: pytest.MonkeyPatch, load: str = "return cls()") -> OwnPilot:
     """A pilot of the class Ahead of a module that lies in `folder`."""
-    (folder / "their_ahead.py").write_text(CLASS.format(load=load))
+    (folder / "their_ahead.py").write_text(own_pilot_module(load=load))
     monkeypatch.syspath_prepend(str(folder))
     monkeypatch.setattr(own, "_named", {})
     sys.modules.pop("their_ahead", None)

@@ -28,6 +28,7 @@ from swamp_rl.pilots import own
 from swamp_rl.pilots.arguments import Asked, asked_pilot, opened
 from swamp_rl.pilots.network import NetworkPilot
 from swamp_rl.pilots.store import load_pilot
+from tests.support.own_pilots import own_pilot_module
 from tests.support.random_pilots import network
 from tests.support.tiny_experiment import write_tiny
 
@@ -157,35 +158,9 @@ def test_models_that_stable_baselines3_trains_on_the_environment_are_evaluated_b
         assert collected == pytest.approx(table["return"][0], rel=1e-4), name
 
 
-PILOT = """
-import numpy as np
-
-class Ahead:
-    senses = ("gate_ahead",)
-    from_runs = False
-
-    @classmethod
-    def train(cls, training):
-        return cls()
-
-    def save(self, folder):
-        (folder / "nothing.txt").write_text("")
-
-    @classmethod
-    def load(cls, folder, settings):
-        return cls()
-
-    def reset(self, n):
-        pass
-
-    def act(self, observation):
-        return np.tile([THROTTLE, 0.0], (len(observation), 1))
-"""
-
-
 def with_own_pilot(folder: Path, throttle: float) -> Path:
     """The tiny experiment with an own reward term and an own pilot, which goes ahead at `throttle`."""
-    (folder / "their_pilot.py").write_text(PILOT.replace("THROTTLE", str(throttle)))
+    (folder / "their_pilot.py").write_text(own_pilot_module(throttle))
     return experiment(folder, pilots={"ahead": {"kind": "their_pilot:Ahead"}})
 
 
