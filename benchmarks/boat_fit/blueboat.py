@@ -6,9 +6,9 @@ The measured data are not part of the project. Each table is one run at 10 Hz, a
 with the pulse widths of both thrusters.
 """
 
-import argparse
 from pathlib import Path
 
+from benchmarks.boat_fit.arguments import source_and_out
 from benchmarks.boat_fit.tables import doctor_lines, error_table, findings, number_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat.estimate import annotated, boat_file
@@ -46,11 +46,7 @@ def imported(source: Path, boat: Path, out: Path, sides: list[str], earlier: flo
 
 def main() -> None:
     """Write the page's tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("source", type=Path)
-    parser.add_argument("--out", type=Path, required=True)
-    asked = parser.parse_args()
-    out, source = asked.out, asked.source
+    source, out = source_and_out(__doc__)
     out.mkdir(parents=True)
     boat, file = out / "blueboat.yaml", out / "identified.yaml"
     boat.write_text(annotated(boat_file("blueboat", "twin-fixed", **SIZES), "BlueBoat."), encoding="utf-8")

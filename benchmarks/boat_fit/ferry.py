@@ -6,9 +6,9 @@ The measured data are not part of the project. Each folder of the source is one 
 as a CSV file for each topic.
 """
 
-import argparse
 from pathlib import Path
 
+from benchmarks.boat_fit.arguments import source_and_out
 from benchmarks.boat_fit.tables import doctor_lines, error_table, findings, number_table, thrust_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat.estimate import annotated, boat_file
@@ -60,17 +60,12 @@ def imported(source: Path, boat: Path, out: Path, earlier: float) -> Path:
 
 def main() -> None:
     """Write the page's tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("source", type=Path)
-    parser.add_argument("--out", type=Path, required=True)
-    asked = parser.parse_args()
-    asked.out.mkdir(parents=True)
-    boat = start_file(asked.out / "ferry.yaml")
-    write_yaml(asked.out / "mapping.yaml", mapping())
-    doctor = doctor_lines(imported(asked.source, boat, asked.out / "as_logged", 0.0))
-    found = identify_boat(
-        imported(asked.source, boat, asked.out / "runs", EARLIER), boat, asked.out / "identified.yaml"
-    )
+    source, out = source_and_out(__doc__)
+    out.mkdir(parents=True)
+    boat = start_file(out / "ferry.yaml")
+    write_yaml(out / "mapping.yaml", mapping())
+    doctor = doctor_lines(imported(source, boat, out / "as_logged", 0.0))
+    found = identify_boat(imported(source, boat, out / "runs", EARLIER), boat, out / "identified.yaml")
     parts = {
         "doctor": doctor,
         "findings": findings(found),

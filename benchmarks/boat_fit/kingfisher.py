@@ -6,9 +6,9 @@ The measured data are not part of the project. Each .mat file of the source is o
 heading, speed and the commands of both thrusters at 10 Hz, and no position.
 """
 
-import argparse
 from pathlib import Path
 
+from benchmarks.boat_fit.arguments import source_and_out
 from benchmarks.boat_fit.tables import error_table, findings, number_table, run_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat.estimate import annotated, boat_file
@@ -56,11 +56,8 @@ def identified(source: Path, out: Path) -> Identification:
 
 def main() -> None:
     """Write the page's tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("source", type=Path)
-    parser.add_argument("--out", type=Path, required=True)
-    asked = parser.parse_args()
-    found = identified(asked.source, asked.out)
+    source, out = source_and_out(__doc__)
+    found = identified(source, out)
     parts = {
         "findings": findings(found),
         "errors": error_table(found),

@@ -7,7 +7,6 @@ The measured data are not part of the project. Each file is one test: lines of t
 names; those of MARIN are at the scale of the ship.
 """
 
-import argparse
 import csv
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import numpy as np
 from swamp_rl.experiments.fleet.words import estimate_words
 from swamp_rl.experiments.reports.experiment import table
 
+from benchmarks.boat_fit.arguments import source_and_out
 from benchmarks.boat_fit.tables import doctor_lines, error_table, findings, number_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import Boat, load_boat
@@ -161,11 +161,7 @@ def causes_table(found: Diagnosis) -> str:
 
 def main() -> None:
     """Write the page's tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("source", type=Path)
-    parser.add_argument("--out", type=Path, required=True)
-    asked = parser.parse_args()
-    out, source = asked.out, asked.source
+    source, out = source_and_out(__doc__)
     hsva = with_names(sorted((source / "kvlcc2_hsva" / "raw_data").glob("*.dat")), HSVA, out / "hsva_logs")
     marin = with_names(sorted((source / "kvlcc2").glob("*.dat")), MARIN, out / "marin_logs")
     start = start_file(out / "kvlcc2.yaml", source / "kvlcc2_hsva" / "open_water_characteristics.csv")
