@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, PropellerRudder
-from swamp_rl.boat_fit.equation_error import LIKELIER, answers_of, log_likelihood, smoothed, window_of
+from swamp_rl.boat_fit.equation_error import answers_of, log_likelihood, smoothed, window_of
 from swamp_rl.criticism.data.run_set import RunSet
+from swamp_rl.doctor.response import LIKELIER
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,6 @@ Array = NDArray[np.float64]
 Asked = tuple[Array, Array]  # (T, N) of the yaw acceleration, (T, N) of the acceleration ahead
 
 SHARE, LEAST, MOST = 0.4, 0.6, 2.0  # of the boat's reference time, and s: the window of the derivatives
-LIKELIER = 12.0  # difference of log likelihood, from which one explanation is believed before another
 
 
 def window_of(boat: Boat, dt: float) -> int:

@@ -9,7 +9,6 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.command_offset import command_offset
-from swamp_rl.boat_fit.equation_error import LIKELIER
 from swamp_rl.boat_fit.fit import SHORT, fit_windows, soft_weights
 from swamp_rl.boat_fit.hypothesis import Array, FreeBoat, free_boat
 from swamp_rl.boat_fit.pieces import pieces
@@ -21,6 +20,7 @@ from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.model.candidates import selectors
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.threads import each
+from swamp_rl.doctor.response import LIKELIER
 from swamp_rl.effects import LIBRARY, Effect, EffectEntry
 from swamp_rl.simulator import parameters
 
