@@ -88,7 +88,7 @@ def reward(
     world: the record with the weights and the step dt [s]; way_made: decrease of `distance_to_go` [m];
     gates: passed in this step; throttle: of the step [1]; throttle_rate, angle_rate: changes of the levers
     since the step before, by dt [1/s]. Effort is an integral over time, the same at any step. Change is the
-    integral of the squared rates only of levers that vary smoothly; a jump by d costs w d^2 / dt.
+    integral of the squared rates only of levers that vary smoothly; a jump by d costs w d²/dt.
     """
     effort = world.reward_effort * throttle * throttle
     change = world.reward_change * (throttle_rate * throttle_rate + angle_rate * angle_rate)

@@ -76,7 +76,8 @@ def new(
     draught, quoted = content["draught"]["value"], shlex.quote(str(path))
     typer.echo(f"{path}: {kind}, draught {draught:.3g} m; check it with: swamp-rl boat check {quoted}")
     try:
-        warnings = [raft_warning(load_boat(path)), turning_warning(load_boat(path))]
+        boat = load_boat(path)
+        warnings = [raft_warning(boat), turning_warning(boat)]
     except UserError as error:
         warnings = [str(error).splitlines()[0]]
     for warning in filter(None, warnings):

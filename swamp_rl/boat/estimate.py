@@ -42,9 +42,8 @@ GIVEN = "given to swamp-rl boat new"
 RANGE = 1e-4, 1e10
 """SI, of each size that is given: beyond it the estimates leave the range of numbers."""
 LARGEST_FIN = 0.5  # of length times draught
-FIN_SPREAD = (
-    0.4  # of a fin's part of a coefficient: area, aspect ratio and the hull's boundary layer are guesses
-)
+# of a fin's part of a coefficient: area, aspect ratio and the hull's boundary layer are guesses
+FIN_SPREAD = 0.4
 DIGITS = 4  # of what is written
 MODELS: dict[str, type[BaseModel]] = {
     "hull": Hull,
