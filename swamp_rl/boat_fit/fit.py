@@ -39,7 +39,8 @@ PASSED, LEAST, MOST = (
 )  # lengths that the boat passes in a window, and its s at least and at most
 # added to the noise in the first fit, in `state_scale`: a guessed boat misses by far more than the noise
 SOFT = np.array([0.03, 0.03, 0.05, 0.05, 0.05, 0.05])
-ROUNDS = 2  # repetitions of fit and weights
+MOST_ROUNDS = 12  # repetitions of fit and weights, at most
+SETTLED = 0.05  # relative change of the residuals' standard deviations, below which no repetition follows
 STEPS, STATE_ROUNDS = 6, 12  # Jacobians of a fit, iterations of its first initial states
 LEAST_LEFT = 0.2  # of the independent samples, that a fit leaves at least
 LAST_STEPS = 3  # Jacobians of the fit whose likelihood is scaled down
@@ -163,9 +164,9 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
 
     Weights of the windows: the residual's standard deviation by channel, at least `noise_floor` (that of a
     simulator's output is the error of the integration), its integrated autocorrelation time, so that the
-    likelihood counts independent samples beside the prior, and Huber's weight of each window. Windows in
-    which the boat of x, or of a later one (`sound_fit`), diverges are left out. weight: (R, T, 6) by the
-    measurement noise.
+    likelihood counts independent samples beside the prior, and Huber's weight of each window. Fit and weights
+    are repeated until the standard deviations have settled. Windows in which the boat of x, or of a later one
+    (`sound_fit`), diverges are left out. weight: (R, T, 6) by the measurement noise.
     """
     boat = run_set.boat
     seconds, soft = window_length(boat), soft_weights(weight, boat)
@@ -192,13 +193,15 @@ def long_fit(run_set: RunSet, weight: Array, hypothesis: FreeBoat, x: Array) -> 
         return problem, made
 
     samples = correlation_samples(problem.windows.by_channel(residual[sound]))
-    for _ in range(ROUNDS):
-        sigma = sigma * np.sqrt(samples)
-        problem, made = fitted(sigma, x, states, STEPS)
+    for _ in range(MOST_ROUNDS):
+        before, wide = sigma, sigma * np.sqrt(samples)
+        problem, made = fitted(wide, x, states, STEPS)
         x, states = made.x, made.states
         samples = correlation_samples(problem.windows.by_channel(made.residual))
         rms, trust = reweighted(problem, made, trust)
-        sigma = np.maximum(sigma * rms, least)
+        sigma = np.where(seen.any(axis=(0, 1)), np.maximum(wide * rms, least), sigma)
+        if np.abs(np.log(sigma / before)).max() < SETTLED:
+            break
     sigma = sigma * np.sqrt(lost_freedom(problem, made, samples))
     for steps in (STEPS, LAST_STEPS):
         problem, made = fitted(sigma * np.sqrt(samples), made.x, made.states, steps, fresh=True)

@@ -18,7 +18,7 @@ from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of
 from swamp_rl.boat_fit.result import Identification
-from swamp_rl.boat_fit.run_current import errors_in_current, is_significant, run_currents
+from swamp_rl.boat_fit.run_flow import errors_in_current, is_significant, run_flows
 from swamp_rl.boat_fit.run_thrust import (
     FEWEST,
     RunThrust,
@@ -97,7 +97,7 @@ def identify_boat(
         here = advanced(data.held_out, made.wiring.advance)
         alike = without(here, others.names)
         fit = made.fit
-        currents = run_currents(fit.problem.run_set, fit.hypothesis, fit.fit.x, fit.covariance)
+        currents = run_flows(fit.problem.run_set, fit.hypothesis, fit.fit.x, fit.covariance)
         LOG.info("gains of the thrust from the recent past")
         gains, tried = chosen_gains(advanced(data.training, made.wiring.advance), made.boat)
         found = Identification(
@@ -215,13 +215,13 @@ def with_compass_if_seen(training: RunSet, begun: Wiring, positions: bool) -> tu
     """The wiring with its numbers, and the fit of these to runs: with an offset of the compass if the fit to
     short windows and that fit show one, else without it from the beginning.
     """
-    wiring, short, with_current = short_fitted(training, begun, positions)
+    wiring, short, weather = short_fitted(training, begun, positions)
     if _is_compass_seen(short):
-        made = fitted_boat(training, wiring, short, with_current)
+        made = fitted_boat(training, wiring, short, weather)
         if _is_compass_seen(numbers_of(made)):
             return wiring, made
-    wiring, short, with_current = short_fitted(training, begun, positions, compass=False)
-    return wiring, fitted_boat(training, wiring, short, with_current)
+    wiring, short, weather = short_fitted(training, begun, positions, compass=False)
+    return wiring, fitted_boat(training, wiring, short, weather)
 
 
 def _is_compass_seen(numbers: Sequence[Fitted]) -> bool:
@@ -231,28 +231,31 @@ def _is_compass_seen(numbers: Sequence[Fitted]) -> bool:
 
 def short_fitted(
     training: RunSet, wiring: Wiring, positions: bool = False, compass: bool = True
-) -> tuple[Wiring, list[Fitted], bool]:
-    """The wiring with the numbers of the fit to short windows, these, and whether a current is significant
-    there; compass: whether an offset of the compass is free.
+) -> tuple[Wiring, list[Fitted], list[str]]:
+    """The wiring with the numbers of the fit to short windows, these, and which weather is significant there,
+    of `wind`, unless it was measured, and `current`; compass: whether an offset of the compass is free.
     """
     every = free_numbers(wiring.boat, positions)
     numbers = every if compass else without_compass(every)
-    run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x, with_current=True)
+    weather = ["current"] if "wind_speed" in training.measured_fields else ["wind", "current"]
+    run_set, weight, hypothesis, x = _begun(training, wiring, numbers, wiring.x, weather)
     LOG.info("fitting %d numbers to windows of %.3g s", len(numbers), SHORT)
     made = short_fit(run_set, weight, hypothesis, x)
     found = _estimates(numbers, made.x, made.covariance, made.covariance)
-    with_current = is_significant(run_currents(run_set, hypothesis, made.x, made.covariance))
-    return less_advanced(replace(wiring, x=made.x[: len(found)]), numbers, training.dt), found, with_current
+    kept = [
+        one for one in weather if is_significant(run_flows(run_set, hypothesis, made.x, made.covariance, one))
+    ]
+    return less_advanced(replace(wiring, x=made.x[: len(found)]), numbers, training.dt), found, kept
 
 
-def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted], with_current: bool) -> BoatFit:
+def fitted_boat(training: RunSet, wiring: Wiring, short: Sequence[Fitted], weather: Sequence[str]) -> BoatFit:
     """The fit of a boat's numbers to runs, from those of the fit to short windows that these support;
-    with_current: whether each run has a mean current.
+    weather: of which each run has a mean.
     """
     kept = [i for i, one in enumerate(short) if supported(one)]
     LOG.info("fitting %d numbers to windows of %.3g s", len(kept), window_length(training.boat))
     numbers = tuple(short[i].number for i in kept)
-    return long_fit(*_begun(training, wiring, numbers, wiring.x[kept], with_current))
+    return long_fit(*_begun(training, wiring, numbers, wiring.x[kept], weather))
 
 
 def supported(one: Fitted) -> bool:
@@ -268,13 +271,12 @@ def supported(one: Fitted) -> bool:
 
 
 def _begun(
-    training: RunSet, wiring: Wiring, numbers: tuple[Number, ...], x: Array, with_current: bool
+    training: RunSet, wiring: Wiring, numbers: tuple[Number, ...], x: Array, weather: Sequence[str]
 ) -> tuple[RunSet, Array, FreeBoat, Array]:
     """Runs, weights (R, T, 6), hypothesis and x (p,) that a fit begins with, with x for the first numbers;
-    with a mean wind of each run unless it was measured, and with a mean current where asked for.
+    with a mean of this weather for each run.
     """
     run_set = advanced(replace(training, boat=wiring.boat), wiring.advance)
-    weather = ["wind"] * ("wind_speed" not in run_set.measured_fields) + ["current"] * with_current
     hypothesis = free_boat(wiring.boat, numbers, len(run_set.lengths), weather)
     start = hypothesis.start()
     start[: len(x)] = x

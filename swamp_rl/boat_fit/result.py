@@ -10,7 +10,7 @@ from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.fit import BoatFit
 from swamp_rl.boat_fit.pieces import Split
 from swamp_rl.boat_fit.recent_thrust import Gains, RecentErrors
-from swamp_rl.boat_fit.run_current import RunCurrent
+from swamp_rl.boat_fit.run_flow import RunFlow
 from swamp_rl.boat_fit.run_thrust import ThrustLevel, UnlikeRuns
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.criticism.result import Predictors
@@ -48,7 +48,7 @@ class Identification:
     recent: list[RecentErrors] = field(default_factory=list)
     recent_training: dict[Gains, list[RecentErrors]] = field(default_factory=dict)
     level: ThrustLevel = field(default_factory=ThrustLevel)
-    currents: list[RunCurrent] = field(default_factory=list)
+    currents: list[RunFlow] = field(default_factory=list)
     in_current: list[RecentErrors] = field(default_factory=list)
 
     @property

@@ -162,14 +162,14 @@ def test_an_offset_of_the_compass_that_only_short_windows_show_leaves_the_fit_as
 ) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=2, seconds=40.0)
     begun = Wiring(runs.boat, (), 0.0, free_boat(runs.boat, without_compass(free_numbers(runs.boat))).start())
-    wired, short, current = identify.short_fitted(runs, begun, compass=False)
-    alone = identify.fitted_boat(runs, wired, short, current)
+    wired, short, weather = identify.short_fitted(runs, begun, compass=False)
+    alone = identify.fitted_boat(runs, wired, short, weather)
     shown = identify.short_fitted
 
-    def as_if_seen(*given: Any, **asked: Any) -> tuple[Wiring, list[Fitted], bool]:
-        wiring, found, with_current = shown(*given, **asked)
+    def as_if_seen(*given: Any, **asked: Any) -> tuple[Wiring, list[Fitted], list[str]]:
+        wiring, found, weather = shown(*given, **asked)
         seen = [Fitted(one.number, 0.05, 0.01) if one.number.field == COMPASS else one for one in found]
-        return wiring, seen, with_current
+        return wiring, seen, weather
 
     monkeypatch.setattr(identify, "short_fitted", as_if_seen)
     _, made = identify.with_compass_if_seen(runs, begun, positions=False)
@@ -365,7 +365,7 @@ def test_fitted_numbers_whose_boat_diverges_are_named_with_what_the_commands_rea
     wired = Wiring(load_boat(tmp_path / "twin.yaml"), (), 0.0, np.zeros(len(numbers)))
 
     monkeypatch.setattr(identify, "searched", lambda *given: wired)
-    monkeypatch.setattr(identify, "short_fitted", lambda *given: (wired, far, False))
+    monkeypatch.setattr(identify, "short_fitted", lambda *given: (wired, far, []))
     monkeypatch.setattr(identify, "fitted_boat", lambda *given: None)
     monkeypatch.setattr(identify, "numbers_of", lambda made: far)
     with pytest.raises(UserError) as refused:

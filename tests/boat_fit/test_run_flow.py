@@ -1,4 +1,4 @@
-"""A mean current of each run is fitted beside the numbers where it is significant."""
+"""A mean wind and current of each run are fitted beside the numbers where they are significant."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.fit import BoatFit
 from swamp_rl.boat_fit.hypothesis import free_boat
 from swamp_rl.boat_fit.identify import errors_on, fitted_boat, numbers_of, short_fitted
-from swamp_rl.boat_fit.run_current import RunCurrent, errors_in_current, is_significant, run_currents
+from swamp_rl.boat_fit.run_flow import RunFlow, errors_in_current, is_significant, run_flows
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.boat_numbers.numbers import free_numbers
 from swamp_rl.criticism.data.run_set import RunSet, read_run_set
@@ -31,18 +31,18 @@ def sailed(folder: Path, effects: str) -> tuple[RunSet, Boat]:
     return read_run_set(folder / "runs", load_boat(folder / "twin.yaml")), load_boat(folder / "still.yaml")
 
 
-def fitted(runs: RunSet) -> tuple[BoatFit, bool, list[RunCurrent]]:
-    """The fit, whether a current is significant in short windows, and those that it has."""
+def fitted(runs: RunSet) -> tuple[BoatFit, list[str], list[RunFlow]]:
+    """The fit, which weather is significant in short windows, and the currents that it has."""
     begun = Wiring(runs.boat, (), 0.0, free_boat(runs.boat, free_numbers(runs.boat)).start())
     wiring, short, significant = short_fitted(runs, begun)
     made = fitted_boat(runs, wiring, short, significant)
-    return made, significant, run_currents(runs, made.hypothesis, made.fit.x, made.covariance)
+    return made, significant, run_flows(runs, made.hypothesis, made.fit.x, made.covariance)
 
 
 def test_a_current_is_fitted_beside_the_numbers_and_bends_none(tmp_path: Path) -> None:
     runs, _ = sailed(tmp_path, FLOWING)
     made, significant, currents = fitted(runs)
-    assert significant
+    assert "current" in significant
     assert [one.name for one in currents] == list(runs.names)
     for one in currents:
         assert 0.0 < one.standard_error < 0.3 * one.speed
@@ -54,15 +54,24 @@ def test_a_current_is_fitted_beside_the_numbers_and_bends_none(tmp_path: Path) -
 
 def test_noise_is_taken_for_a_current_once_in_a_hundred_times() -> None:
     drawn = np.random.default_rng(0).normal(0.0, 0.02, (2000, 20, 2))
-    every = [[RunCurrent("", float(n), float(e), 0.02) for n, e in runs] for runs in drawn]
+    every = [[RunFlow("", float(n), float(e), 0.02) for n, e in runs] for runs in drawn]
     assert 0.004 < np.mean([is_significant(runs) for runs in every]) < 0.018
-    assert is_significant([*every[0], RunCurrent("", 0.0, -0.1, 0.02)])
+    assert is_significant([*every[0], RunFlow("", 0.0, -0.1, 0.02)])
     assert not is_significant([])
 
 
-def test_still_water_has_no_current(tmp_path: Path) -> None:
+def test_still_water_and_air_have_no_flow(tmp_path: Path) -> None:
     runs, _ = sailed(tmp_path, "")
-    assert fitted(runs)[1:] == (False, [])
+    assert fitted(runs)[1:] == ([], [])
+
+
+def test_a_wind_that_was_not_measured_is_fitted_beside_the_numbers(tmp_path: Path) -> None:
+    runs, _ = sailed(tmp_path, "effects: [{effect: wind, speed: 4.0, from: 2.5}]\n")
+    made, significant, _ = fitted(runs)
+    assert significant == ["wind"]
+    for one in run_flows(runs, made.hypothesis, made.fit.x, made.covariance, "wind"):
+        away = np.hypot(one.north - 4.0 * np.cos(2.5), one.east - 4.0 * np.sin(2.5))
+        assert away < 4.0 * one.standard_error < one.speed
 
 
 def test_a_true_boat_predicts_to_the_noise_in_the_current_of_each_run_alone(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Mean current of each run, fitted beside the numbers of a boat, and predictions in it."""
+"""Mean wind and current of each run, fitted beside the numbers of a boat, and predictions in a current."""
 
 import math
 from collections.abc import Sequence
@@ -21,13 +21,13 @@ from swamp_rl.effects import LIBRARY
 Array = NDArray[np.float64]
 
 STEPS = 6  # Jacobians of a fit of the current
-LEVEL = 0.01  # chance that any of the runs has a significant current where there is none
+LEVEL = 0.01  # chance that any of the runs has a significant flow where there is none
 
 
 @dataclass(frozen=True)
-class RunCurrent:
-    """Mean current of a run, or of a piece of one, towards north and east, and the standard error of its
-    speed along its direction [m/s].
+class RunFlow:
+    """Mean current towards north and east, or wind from there, of a run or a piece of one, and the standard
+    error of its speed along its direction [m/s].
     """
 
     name: str
@@ -41,9 +41,11 @@ class RunCurrent:
         return float(np.hypot(self.north, self.east))
 
 
-def run_currents(run_set: RunSet, hypothesis: Hypothesis, x: Array, covariance: Array) -> list[RunCurrent]:
-    """The currents among x (p,) of these runs, run after run; none where the hypothesis has none."""
-    columns = np.flatnonzero(hypothesis.columns("current by_run"))
+def run_flows(
+    run_set: RunSet, hypothesis: Hypothesis, x: Array, covariance: Array, of: str = "current"
+) -> list[RunFlow]:
+    """The winds or currents among x (p,) of these runs, run after run; none where the hypothesis has none."""
+    columns = np.flatnonzero(hypothesis.columns(f"{of} by_run"))
     if not len(columns):
         return []
     found = []
@@ -51,18 +53,18 @@ def run_currents(run_set: RunSet, hypothesis: Hypothesis, x: Array, covariance: 
         flow = x[own]
         along = flow / max(float(np.hypot(*flow)), 1e-12)
         error = float(np.sqrt(along @ covariance[np.ix_(own, own)] @ along))
-        found.append(RunCurrent(name, float(flow[0]), float(flow[1]), error))
+        found.append(RunFlow(name, float(flow[0]), float(flow[1]), error))
     return found
 
 
-def is_significant(currents: Sequence[RunCurrent]) -> bool:
-    """Whether the current of any run is significant: where there is none, a speed whose two components have
-    the error s exceeds k s with probability exp(-k^2 / 2) (Rayleigh distribution).
+def is_significant(flows: Sequence[RunFlow]) -> bool:
+    """Whether the flow of any run is significant: where there is none, a speed whose two components have the
+    error s exceeds k s with probability exp(-k^2 / 2) (Rayleigh distribution).
     """
-    if not currents:
+    if not flows:
         return False
-    limit = math.sqrt(-2.0 * math.log(LEVEL / len(currents)))
-    return any(one.speed > limit * one.standard_error for one in currents)
+    limit = math.sqrt(-2.0 * math.log(LEVEL / len(flows)))
+    return any(one.speed > limit * one.standard_error for one in flows)
 
 
 @np.errstate(over="ignore", invalid="ignore")  # where the boat diverges
