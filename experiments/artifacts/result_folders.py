@@ -3,10 +3,10 @@
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,10 +16,17 @@ from swamp_rl.files import read_yaml
 from swamp_rl.json_text import read_json
 from swamp_rl.names import YAML, file_in, refuse_odd_label
 
+if TYPE_CHECKING:
+    from swamp_rl.experiments.config.learners import Learner
+
 EPISODES = "episodes.parquet"
 DOINGS = ("success", "time", "command_change")
 """Columns by which the doings of a pilot in an episode are distinguished."""
 FILES = {"boat": "boats", "course": "courses"}
+LIMITS = ("time_limit", "bounds", "depth")
+"""Keys of an experiment that replace those of its course."""
+STORED = {"stored": "folder", "onnx": "file", "sb3": "file"}
+"""Kinds that are read from a file, and the option that says where it is."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +40,8 @@ class Result:
     "`results.json`, empty where there is none"
     versions: Mapping[str, Any]
     "`versions.json`, likewise"
+    origins: Mapping[str, tuple[str, "Result"]] = field(default_factory=dict)
+    "By name of a stored pilot: its name and result where it was trained, if that is compared too."
 
     @property
     def pilots(self) -> list[str]:
@@ -45,7 +54,8 @@ class Result:
         return list(dict.fromkeys(level for _, level in self.tables))
 
     def setting(self) -> dict[str, str]:
-        """What pilots must share to be compared: boat, course, step, hidden effects and levels, as marks."""
+        """What pilots must share to be compared: boat, course, its limits, step, hidden effects and levels,
+        as marks."""
         kept = self.folder / "config"
         marks = {
             what: _mark([read_yaml(file) for file in sorted((kept / files).glob("*.yaml"))])
@@ -54,7 +64,7 @@ class Result:
         folder = kept / "disturbances"
         levels = {level: file_in(folder, f"{level}.yaml", YAML) for level in self.levels}
         marks |= {f"level {name}": _mark(read_yaml(f)) for name, f in levels.items() if f.is_file()}
-        return marks | {key: _mark(self.experiment.get(key)) for key in ("step", "hidden")}
+        return marks | {key: _mark(self.experiment.get(key) or None) for key in ("step", "hidden", *LIMITS)}
 
 
 @dataclass(frozen=True)
@@ -124,6 +134,7 @@ def entrants(results: Sequence[Result]) -> list[Entrant]:
     A pilot of the same seeds in several results, copied or evaluated again, is one, with the episodes of all;
     so is one that its seeds do not touch. UserError where the same seeds did different things in an episode.
     """
+    results = _traced(results)
     groups: dict[tuple[str, str], list[tuple[str, Result]]] = {}
     for result in results:
         for pilot, method in _methods(result).items():
@@ -140,6 +151,28 @@ def entrants(results: Sequence[Result]) -> list[Entrant]:
         if labels.count(one.label) > 1
         else one
         for one in made
+    ]
+
+
+def _traced(results: Sequence[Result]) -> list[Result]:
+    """With the origins of stored pilots, by the SHA-256 that both results give."""
+    trained: dict[str, tuple[str, Result]] = {}
+    for result in results:
+        measured = result.results.get("pilots", {})
+        for name, plan in result.experiment.get("pilots", {}).items():
+            sha = measured.get(name, {}).get("sha256")
+            if sha and plan.get("kind") not in STORED:
+                trained.setdefault(sha, (name, result))
+    return [
+        replace(
+            result,
+            origins={
+                name: trained[sha]
+                for name, plan in result.experiment.get("pilots", {}).items()
+                if plan.get("kind") == "stored" and (sha := plan["options"].get("sha256")) in trained
+            },
+        )
+        for result in results
     ]
 
 
@@ -216,16 +249,45 @@ def _did(pilot: str, result: Result) -> str:
 
 
 def plan_of(result: Result, pilot: str) -> dict[str, Any]:
-    """All that went into a pilot's training: its plan, those of pilots it starts from, and the data."""
-    plans = result.experiment.get("pilots", {})
+    """All that went into a pilot's training: its plan and those of pilots it starts from; the data, where
+    one of them learned from runs; reward and limits, where one learned in the simulator."""
+    if pilot in result.origins:
+        name, trained = result.origins[pilot]
+        return plan_of(trained, name)
+    experiment = result.experiment
+    plans = experiment.get("pilots", {})
     name = pilot if pilot in plans else pilot.rsplit(", ", 1)[0]
     if name not in plans:
-        return {"plans": plans, "data": result.experiment.get("data")}
+        return {"plans": plans, "data": experiment.get("data")}
     used = [name]
     for one in used:
         options = plans[one].get("options", {}).values()
         used += [other for other in plans if other in options and other not in used]
-    return {"plans": [plans[one] for one in used], "data": result.experiment.get("data")}
+    made: dict[str, Any] = {"plans": [_without_place(plans[one]) for one in used]}
+    learners = [_learner(plans[one]) for one in used]
+    if any(one is None or one.from_runs for one in learners):
+        made["data"] = experiment.get("data")
+    if any(one is None or one.by_trying for one in learners):
+        made["reward"] = {term: weight for term, weight in experiment.get("reward", {}).items() if weight}
+        made |= {key: experiment.get(key) or None for key in LIMITS}
+    return made
+
+
+def _learner(plan: Mapping[str, Any]) -> "Learner | None":
+    """The learner of a plan's kind; None for a class of one's own, which may learn from anything."""
+    from swamp_rl.experiments.config.learners import LEARNERS
+
+    kind = "stored" if plan.get("kind") in STORED else plan.get("kind")
+    return LEARNERS[kind]() if kind in LEARNERS else None
+
+
+def _without_place(plan: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A stored pilot's plan names the file by its SHA-256 alone, wherever it lies."""
+    place = STORED.get(plan.get("kind", ""))
+    options = plan.get("options", {})
+    if place is None or "sha256" not in options:
+        return plan
+    return {**plan, "options": {key: value for key, value in options.items() if key != place}}
 
 
 def seedless(data: Any) -> Any:
@@ -245,7 +307,7 @@ def refuse_other_settings(results: Sequence[Result]) -> None:
             if marks[what] != theirs[what]:
                 raise UserError(
                     f"{result.folder}: another {what} than in {first.folder}; only results of the same boat, "
-                    "course, levels and step compare"
+                    "course and its limits, levels and step compare"
                 )
 
 

@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from swamp_rl.experiments.artifacts.result_folders import Entrant, Result, entrants, find_results, read_result
+from swamp_rl.experiments.artifacts.result_folders import (
+    Entrant,
+    Result,
+    entrants,
+    find_results,
+    plan_of,
+    read_result,
+)
 from swamp_rl.experiments.evaluation.comparison import PER_METRE, pilot_row, quantities_of
 
 from swamp_rl.errors import UserError
@@ -122,10 +129,10 @@ def _number(value: float | None, form: str) -> tuple[str, float | str]:
 
 
 def _data(pilot: str, result: Result) -> str:
-    """What the pilot learned from, in the words of its results."""
+    """What the pilot learned from, in the words of its results; the source of the runs, if it was runs."""
     learned = _text(result.results, "pilots", pilot, "learned_from")
     source = _text(result.results, "data", "source")
-    return f"{source}: {learned}" if source and learned else learned
+    return f"{source}: {learned}" if source and learned and plan_of(result, pilot).get("data") else learned
 
 
 def _text(results: Any, *keys: str) -> str:

@@ -133,6 +133,53 @@ def test_the_same_seeds_with_other_doings_are_reported(tmp_path: Path) -> None:
         compare([tmp_path])
 
 
+def changed(folder: Path, **keys: object) -> Path:
+    """The folder, with other keys in its experiment."""
+    file = folder / "config" / "experiment.yaml"
+    file.write_text(yaml.safe_dump(yaml.safe_load(file.read_text()) | keys))
+    return folder
+
+
+def test_pilots_that_learned_by_another_reward_are_two_pilots(tmp_path: Path) -> None:
+    changed(folder_of(tmp_path / "a", {"ppo": np.ones(20)}), reward={"time": 0.02})
+    changed(folder_of(tmp_path / "b", {"ppo": np.zeros(20)}), reward={"time": 0.5})
+    assert [pilot["name"] for pilot in compare([tmp_path])["pilots"]] == ["ppo (a)", "ppo (b)"]
+
+
+def test_a_term_of_weight_0_is_no_other_reward(tmp_path: Path) -> None:
+    changed(folder_of(tmp_path / "a", {"ppo": np.ones(20)}), reward={"time": 0.02})
+    changed(folder_of(tmp_path / "b", {"ppo": np.ones(20)}), reward={"time": 0.02, "energy": 0.0})
+    assert [pilot["name"] for pilot in compare([tmp_path])["pilots"]] == ["ppo"]
+
+
+def test_data_and_reward_that_a_pilot_does_not_learn_from_make_no_other_pilot(tmp_path: Path) -> None:
+    won = {"ppo": np.ones(20), "reservoir": np.ones(20)}
+    changed(folder_of(tmp_path / "a", won), data={"folder": "monday"})
+    changed(folder_of(tmp_path / "b", won), data={"folder": "tuesday"})
+    names = ["ppo", "reservoir (a)", "reservoir (b)"]
+    assert sorted(pilot["name"] for pilot in compare([tmp_path])["pilots"]) == names
+
+
+@pytest.mark.parametrize("key, value", [("time_limit", 60.0), ("bounds", {"north": 40.0}), ("depth", 2.0)])
+def test_other_limits_of_the_course_are_refused_in_one_line(tmp_path: Path, key: str, value: object) -> None:
+    folder_of(tmp_path / "a", {"reservoir": np.ones(20)})
+    changed(folder_of(tmp_path / "b", {"ppo": np.ones(20)}), **{key: value})
+    with pytest.raises(UserError, match=f"another {key} than in"):
+        compare([tmp_path])
+
+
+def test_a_stored_pilot_is_the_one_that_was_trained(tmp_path: Path) -> None:
+    trained = folder_of(tmp_path / "trained", {"reservoir": np.ones(20)})
+    (trained / "results.json").write_text(json.dumps({"pilots": {"reservoir": {"sha256": "ab"}}}))
+    again = []
+    for name, place in (("first", "pilots/reservoir"), ("second", "elsewhere/reservoir")):
+        plan = {"kind": "stored", "options": {"folder": place, "sha256": "ab"}}
+        folder = folder_of(tmp_path / name, {"reservoir": np.ones(20)})
+        again.append(changed(folder, pilots={"reservoir": plan}, data={"folder": place}))
+    for asked in ([trained, *again], again):
+        assert [(one["name"], one["seeds"]) for one in compare(asked)["pilots"]] == [("reservoir", 1)]
+
+
 def test_other_courses_are_refused_in_one_line(tmp_path: Path) -> None:
     folder_of(tmp_path / "a", {"reservoir": np.ones(20)})
     folder_of(tmp_path / "b", {"ppo": np.ones(20)}, course="elsewhere")

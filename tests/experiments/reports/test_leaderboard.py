@@ -1,5 +1,6 @@
 """The leaderboard page: complete, self-contained, and with every name as text."""
 
+import json
 import re
 from pathlib import Path
 
@@ -26,6 +27,17 @@ def test_training_seeds_share_a_row(tmp_path: Path) -> None:
         folder_of(tmp_path / f"s{seed}", {"ppo": np.arange(10) < 4 + seed}, seed)
     (row,) = gather(tmp_path).rows
     assert (row.cells[2][0], row.cells[4][0]) == ("50.0", "3")
+
+
+def test_only_what_was_learned_from_runs_has_their_source(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "a", {"ppo": np.ones(5), "reservoir": np.ones(5)})
+    file = folder / "config" / "experiment.yaml"
+    file.write_text(yaml.safe_dump({**yaml.safe_load(file.read_text()), "data": {"folder": "pier"}}))
+    learned = {"ppo": "20,000 decisions in the simulator", "reservoir": "all successful runs"}
+    pilots = {name: {"learned_from": text} for name, text in learned.items()}
+    (folder / "results.json").write_text(json.dumps({"data": {"source": "human"}, "pilots": pilots}))
+    found = {row.cells[0][0]: row.cells[10][0] for row in gather(tmp_path).rows}
+    assert found == {"ppo": learned["ppo"], "reservoir": "human: all successful runs"}
 
 
 def test_a_name_that_is_markup_stays_text(tmp_path: Path) -> None:
