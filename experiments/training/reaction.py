@@ -7,7 +7,7 @@ from swamp_rl.envs.hindsight import with_gates
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 
-from swamp_rl.pilots.demonstrations import examples
+from swamp_rl.pilots.demonstrations import LAST, examples
 from swamp_rl.runs import Run
 
 CLEARLY_MORE = 1.25
@@ -18,22 +18,25 @@ def reaction_warning(scene: Scene, name: str, plan: PilotPlan, runs: Sequence[Ru
     """One line where the levers of the runs that the pilot of that name learns from follow clearly earlier
     than its `reaction`, so that it would learn to act too early; else None.
 
-    The levers' delay is the shift at which a linear function of the observations explains most of them.
+    The levers' delay is the shift at which a linear function of the observations explains most of them. The
+    last action is none of these: it explains the next one best without a delay, whoever drives.
     """
     reaction = plan.options.get("reaction", 0.0)
-    if reaction == 0.0:
+    senses = [name for name in plan.options.get("senses", ()) if name not in LAST]
+    if reaction == 0.0 or not senses:
         return None
     seen = [with_gates(run, scene.course) for run in runs]
     step = scene.experiment.step
     shifts = [*np.arange(0.0, reaction, step), reaction]
-    left = [_unexplained(seen, plan.options["senses"], shift) for shift in shifts]
+    left = [_unexplained(seen, senses, shift) for shift in shifts]
     best = int(np.argmin(left))
     if left[-1] <= CLEARLY_MORE * left[best]:
         return None
+    advice = f"{shifts[best]:.2g}, or to 0 for a driver that is no person" if best else "0"
     return (
         f"pilots.{name}: the levers follow what the driver saw by about {shifts[best]:.2g} s, not by the "
         f"reaction of {reaction:g} s (a linear fit leaves {left[best]:.0%} and {left[-1]:.0%} of them); if "
-        f"it acts too early, set reaction to {shifts[best]:.2g}, or to 0 for a driver that is no person"
+        f"it acts too early, set reaction to {advice}"
     )
 
 

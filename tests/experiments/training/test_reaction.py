@@ -24,9 +24,10 @@ def runs(scene: Scene, tmp_path_factory: pytest.TempPathFactory) -> list[Run]:
     return read_dataset(folder).runs
 
 
-def warned(scene: Scene, runs: list[Run], reaction: float) -> str | None:
+def warned(scene: Scene, runs: list[Run], reaction: float, more: tuple[str, ...] = ()) -> str | None:
     plan = scene.experiment.pilots["cloning"]
-    later = plan.model_copy(update={"options": plan.options | {"reaction": reaction}})
+    options = {"reaction": reaction, "senses": (*plan.options["senses"], *more)}
+    later = plan.model_copy(update={"options": plan.options | options})
     return reaction_warning(scene, "clone", later, runs)
 
 
@@ -42,6 +43,15 @@ def test_a_reaction_like_that_of_the_scripted_driver_has_no_warning(
     scene: Scene, runs: list[Run], reaction: float
 ) -> None:
     assert warned(scene, runs, reaction) is None
+
+
+def test_the_last_action_among_the_senses_makes_no_reaction_shorter(scene: Scene, runs: list[Run]) -> None:
+    assert warned(scene, runs, 0.4, ("last_angle", "last_throttle")) is None
+
+
+def test_levers_without_delay_are_reported_with_one_advice(scene: Scene, runs: list[Run]) -> None:
+    line = warned(scene, [steered(run, 0) for run in runs], 0.8)
+    assert line is not None and line.endswith("if it acts too early, set reaction to 0")
 
 
 @pytest.mark.parametrize("rows", [0, 2])
