@@ -20,6 +20,8 @@ DRIVERS: dict[str, Colour] = {
     "line-of-sight": (0, 150, 125),
 }
 PALETTE: tuple[Colour, ...] = tuple(dict.fromkeys(DRIVERS.values()))
+OTHERS: tuple[Colour, ...] = tuple(one for one in PALETTE if one not in {DRIVERS[who] for who in PEOPLE})
+"""Colours of drivers that are not in `DRIVERS`: none of the data, beside which some figures show them."""
 
 
 def driver_colours(drivers: Iterable[str]) -> dict[str, Colour]:
@@ -33,8 +35,8 @@ def driver_colours(drivers: Iterable[str]) -> dict[str, Colour]:
     keeps = {name.split(" ")[0]: name for name in sorted(names, reverse=True)}
     found = {name: DRIVERS[driver] for driver, name in keeps.items() if driver in DRIVERS}
     for name in sorted(set(names) - set(found)):
-        first = zlib.crc32(name.encode()) % len(PALETTE)
-        ahead = PALETTE[first:] + PALETTE[:first]
+        first = zlib.crc32(name.encode()) % len(OTHERS)
+        ahead = OTHERS[first:] + OTHERS[:first]
         found[name] = next((one for one in ahead if one not in found.values()), ahead[0])
     return {name: found[name] for name in names}
 

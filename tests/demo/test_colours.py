@@ -2,7 +2,7 @@
 
 from itertools import combinations
 
-from swamp_rl.demo.colours import DRIVERS, PALETTE, driver_colours
+from swamp_rl.demo.colours import DRIVERS, OTHERS, PEOPLE, driver_colours
 
 
 def test_a_known_driver_has_the_same_colour_in_any_company() -> None:
@@ -27,4 +27,11 @@ def test_unknown_drivers_have_colours_of_their_own_whatever_their_order() -> Non
 
 def test_more_drivers_than_colours_repeat_some() -> None:
     found = driver_colours([f"pilot {n}" for n in range(20)])
-    assert set(found.values()) == set(PALETTE)
+    assert set(found.values()) == set(OTHERS)
+
+
+def test_pilots_of_any_name_have_the_same_colours_beside_the_data_and_without() -> None:
+    pilots = [f"pilot {n}" for n in range(8)]
+    for source in PEOPLE:
+        beside = driver_colours([source, *pilots])
+        assert {name: beside[name] for name in pilots} == driver_colours(pilots)
