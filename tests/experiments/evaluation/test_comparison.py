@@ -4,6 +4,8 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 import yaml
 from scipy.stats import binomtest
@@ -29,6 +31,16 @@ def test_pilots_of_two_folders_are_paired_by_episode(tmp_path: Path) -> None:
     assert row["p"] == pytest.approx(binomtest(only_a, only_a + only_b).pvalue)
     assert row["p_corrected"] >= row["p"]
     assert found["comparisons"] == 4
+
+
+def test_costs_that_differ_by_rounding_are_equal(tmp_path: Path) -> None:
+    one, two = (folder_of(tmp_path / name, {pilot: np.ones(30, bool)}) for name, pilot in KINDS)
+    costs = pq.read_table(one / "episodes.parquet").to_pydict()
+    exported = np.asarray(costs["energy"]) * (1.0 + 3e-7 * np.random.default_rng(0).random(30))
+    changed_costs = costs | {"energy": exported, "pilot": ["ppo"] * 30}
+    pq.write_table(pa.table(changed_costs), two / "episodes.parquet")
+    (row,) = (row for row in compare([one, two])["differences"] if row["quantity"] == "energy")
+    assert (row["value"], row["low"], row["high"], row["p"]) == (0.0, 0.0, 0.0, 1.0)
 
 
 def test_a_single_shared_episode_bounds_no_cost_and_hardly_a_success(tmp_path: Path) -> None:
