@@ -98,13 +98,19 @@ class Record(Part):
         return self.good * (len(self.skills) if skill is None else 1)
 
 
+def _one_folder(folder: Any) -> Any:
+    if isinstance(folder, list):
+        raise ValueError("names one dataset; join several: swamp-rl runs import DATASET DATASET … --out NEW")
+    return folder
+
+
 class Data(Part):
     """What the pilots learn from: the dataset in `folder`, or one recorded now into the results.
 
     sha256: what the folder's files must add up to, written out in the configuration kept with results.
     """
 
-    folder: str | None = None
+    folder: Annotated[str | None, BeforeValidator(_one_folder, json_schema_input_type=str | None)] = None
     sha256: str | None = None
     record: Record = Record()
 

@@ -16,7 +16,15 @@ from swamp_rl.files import is_file, refuse_object
 from swamp_rl.names import YAML, file_in
 from swamp_rl.runs.check import MISSING, check_load, check_table, unknown_columns
 from swamp_rl.runs.copies import boat_file, boat_of, course_file
-from swamp_rl.runs.describe import common_rate, described, is_table, noted, parse, with_outcomes
+from swamp_rl.runs.describe import (
+    common_rate,
+    datasets_within,
+    described,
+    is_table,
+    noted,
+    parse,
+    with_outcomes,
+)
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.local_frame import GEODETIC, origin_of
 from swamp_rl.runs.run import Run
@@ -204,7 +212,8 @@ def files_of(folder: Path) -> list[Path]:
     if not (folder / META).exists():
         found = sorted(path.name for path in folder.iterdir() if is_table(path))
         if not found:
-            raise UserError(f"{folder}: no runs here; name a folder of .csv or .parquet files")
+            advice = datasets_within(folder) or "name a folder of .csv or .parquet files"
+            raise UserError(f"{folder}: no runs here; {advice}")
         return [file_in(folder, name, SUFFIXES) for name in found]
     meta = read_meta(folder)
     runs = [file_in(folder, str(run.file), SUFFIXES) for run in meta.runs]

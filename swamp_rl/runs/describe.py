@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 from pydantic import ValidationError
@@ -82,12 +83,19 @@ def is_table(path: Path) -> bool:
     return path.suffix.lower().lstrip(".") in FORMATS and not path.name.startswith(".")
 
 
+def datasets_within(folder: Path) -> str | None:
+    """What to do with a folder of datasets that is taken for one; None for another folder."""
+    within = sorted(str(found) for found in folder.iterdir() if (found / META).is_file())
+    if not within:
+        return None
+    join = f", or join them: swamp-rl runs import {quote(clipped(folder))}/* --out NEW" * (len(within) > 1)
+    return f"this folder holds datasets; name one, such as {clipped(within[0])}{join}"
+
+
 def _missing(folder: Path, tables: bool) -> str:
-    within = sorted(found.name for found in folder.iterdir() if (found / META).is_file())
-    if within and not tables:
-        return (
-            f"is missing, this folder holds datasets; name these, such as {clipped(str(folder / within[0]))}"
-        )
+    within = None if tables else datasets_within(folder)
+    if within is not None:
+        return f"is missing, {within}"
     if not tables:
         return "is missing; name a folder of runs, swamp-rl runs import makes one of logs"
     return "is missing, and with it the boat of these runs; name it: --boat NAME, or vehicle: NAME in it"

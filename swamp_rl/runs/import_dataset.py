@@ -16,6 +16,7 @@ from swamp_rl.names import file_in
 from swamp_rl.runs.bad_rows import REFUSED, listed
 from swamp_rl.runs.columns import is_angle
 from swamp_rl.runs.copies import boat_file, course_file, write_copies
+from swamp_rl.runs.dataset import SUFFIXES as OF_RUNS
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.describe import rate_of, with_outcome, with_outcomes
 from swamp_rl.runs.earlier_commands import with_earlier_commands
@@ -29,7 +30,7 @@ from swamp_rl.runs.missing_marks import without_marks
 from swamp_rl.runs.resample import resampled_run
 from swamp_rl.runs.run import Run
 from swamp_rl.runs.schema import META, DatasetMeta, Source, entries_of
-from swamp_rl.runs.table import read_table
+from swamp_rl.runs.table import FORMATS, read_table
 from swamp_rl.runs.text_header import TEXTS
 from swamp_rl.runs.writer import append_runs, create_dataset
 from swamp_rl.sums import refuse_changed_files
@@ -194,8 +195,8 @@ def whole_folder(folder: Path, kind: str) -> list[Path]:
 
 
 def _files(source: Path, kind: str) -> list[Path]:
-    """A file itself; of a folder, the runs its `dataset.yaml` lists, else all files of the kind by name, its
-    own or, where it has none, those of the folders in it."""
+    """A file itself; of a folder, the runs its `dataset.yaml` lists, those of CSV and Parquet together, else
+    all files of the kind by name, its own or, where it has none, those of the folders in it."""
     if source.is_file():
         return [source]
     if not source.is_dir():
@@ -203,6 +204,10 @@ def _files(source: Path, kind: str) -> list[Path]:
     refuse_changed_files(source)
     if (source / META).is_file():
         named = [source / str(run.file) for run in read_meta(source).runs]
+        if not named:
+            raise UserError(f"{source}: is a dataset without runs; leave it out")
+        if kind in FORMATS:
+            return sorted(file_in(file.parent, file.name, OF_RUNS) for file in named)
     else:
         named = _of_kind(source.iterdir(), kind) or _in_folders(source, kind)
     files, suffixes = _of_kind(named, kind), " or ".join(SUFFIXES[kind])
@@ -261,18 +266,26 @@ def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tu
 
 
 def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
-    """What all the files say of their dataset; UserError where they are of different ones."""
-    described = [
-        (one.file, one.dataset.model_copy(update={"runs": []})) for one in found if one.dataset is not None
-    ]
-    for file, dataset in described:
-        if dataset != described[0][1]:
-            raise UserError(f"{file}: is of another dataset than {described[0][0]}; import them separately")
-    return described[0][1] if described else None
+    """What all the files say of their dataset, with the notes of all; UserError where they are of different
+    ones."""
+    described = [(one.file, one.dataset) for one in found if one.dataset is not None]
+    if not described:
+        return None
+    alike = [(file, dataset.model_copy(update={"runs": [], "notes": None})) for file, dataset in described]
+    first, agreed = alike[0]
+    for file, dataset in alike:
+        if dataset != agreed:
+            theirs, ours = dataset.model_dump(), agreed.model_dump()
+            what = next(key for key in {**ours, **theirs} if theirs.get(key) != ours.get(key))
+            raise UserError(
+                f"{file}: is of another dataset than {first}, with another {what}; import it separately"
+            )
+    notes = dict.fromkeys(dataset.notes for _, dataset in described if dataset.notes)
+    return agreed.model_copy(update={"notes": " ".join(notes) or None})
 
 
 def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None, wishes: Wishes) -> Foreign:
-    if path.suffix.lower() not in (TEXTS if kind == "csv" else SUFFIXES[kind]):
+    if dataset is None and path.suffix.lower() not in (TEXTS if kind == "csv" else SUFFIXES[kind]):
         raise UserError(f"{path}: is no {SUFFIXES[kind][0]} file; check --from {kind}")
     table = read_table(path)
     if dataset is None:

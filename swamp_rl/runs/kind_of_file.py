@@ -5,6 +5,8 @@ from pathlib import Path
 
 from swamp_rl.errors import UserError
 from swamp_rl.ordinary import ordinary
+from swamp_rl.runs.schema import META
+from swamp_rl.runs.table import FORMATS
 from swamp_rl.runs.text_header import TEXTS, has_names
 
 SUFFIXES = {
@@ -72,6 +74,8 @@ def kind_of(sources: Sequence[Path]) -> str:
             f"{unknown}: neither its suffix nor its header tells what it is; give --from, one of "
             f"{', '.join(SUFFIXES)}"
         )
+    if set(found) == set(FORMATS) and all((source / META).is_file() for source in sources):
+        return FORMATS[0]  # datasets, of which each says which files are its runs
     if len(found) > 1:
         raise UserError(
             f"{sources[0]}{' and others' * (len(sources) > 1)}: files of several kinds "

@@ -168,6 +168,7 @@ def test_merging_replaces_lists_and_joins_mappings() -> None:
         ("pilots.net=cloning", "pilots.net: must be a mapping of keys to values, not 'cloning'"),
         ("bounds.top=40.0", "bounds.top: must be 'south', 'north', 'west' or 'east', not 'top'"),
         ("reward.tim=1.0", "reward: no term 'tim'; did you mean 'time'? known here: progress"),
+        ("data.folder=[monday, tuesday]", "data.folder: names one dataset; join several: swamp-rl"),
     ],
 )
 def test_a_wrong_value_or_key_is_named_with_what_is_allowed(tmp_path: Path, override: str, text: str) -> None:

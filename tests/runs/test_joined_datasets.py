@@ -1,0 +1,56 @@
+"""Datasets of several days become one."""
+
+from pathlib import Path
+
+import pytest
+
+from swamp_rl.errors import UserError
+from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
+from swamp_rl.runs.dataset import files_of
+from swamp_rl.runs.import_dataset import import_runs
+from swamp_rl.runs.kind_of_file import kind_of
+from tests.support.runs import circling, described
+
+
+def day(folder: Path, format: str | None, notes: str | None = None) -> Path:
+    """A dataset of one run in this format, or of none."""
+    create_dataset(folder, described(notes=notes))
+    if format is not None:
+        append_run(folder, Run("run-0001", circling()), format)
+    return folder
+
+
+def joined(days: list[Path], out: Path) -> None:
+    import_runs(days, kind_of(days), out)
+
+
+def test_days_of_csv_and_parquet_are_joined_with_the_notes_of_both(tmp_path: Path) -> None:
+    days = [day(tmp_path / "monday", "csv", "In rain."), day(tmp_path / "tuesday", "parquet", "In fog.")]
+    joined(days, tmp_path / "out")
+    found = read_dataset(tmp_path / "out")
+    assert [run.name for run in found.runs] == ["monday-run-0001", "tuesday-run-0001"]
+    assert found.meta.notes == "In rain. In fog."
+    joined([tmp_path / "out", day(tmp_path / "wednesday", "csv", "In fog.")], tmp_path / "more")
+    assert len(read_dataset(tmp_path / "more").runs) == 3
+
+
+def test_what_keeps_two_datasets_apart_is_named(tmp_path: Path) -> None:
+    days = [day(tmp_path / "monday", "csv"), tmp_path / "tuesday"]
+    create_dataset(days[1], described(source="human"))
+    append_run(days[1], Run("run-0001", circling()), "parquet")
+    with pytest.raises(UserError, match=r"tuesday.run-0001.parquet: is of another dataset.*another source"):
+        joined(days, tmp_path / "out")
+
+
+def test_a_day_without_runs_is_named_as_such(tmp_path: Path) -> None:
+    days = [day(tmp_path / "monday", "csv"), day(tmp_path / "tuesday", None)]
+    with pytest.raises(UserError, match="tuesday: is a dataset without runs; leave it out"):
+        import_runs(days, "csv", tmp_path / "out")
+
+
+def test_a_folder_of_datasets_is_refused_with_how_to_join_them(tmp_path: Path) -> None:
+    for name in ("monday", "tuesday"):
+        day(tmp_path / name, "csv")
+    advice = rf"no runs here; this folder holds datasets; .*{tmp_path}/\* --out NEW"
+    with pytest.raises(UserError, match=advice):
+        files_of(tmp_path)
