@@ -26,6 +26,7 @@ from swamp_rl.evaluation import (
     Table,
     holm,
     interquartile_mean,
+    mean_over_tasks,
     paired_difference,
     probability_of_improvement,
     sign_flip_test,
@@ -172,13 +173,13 @@ def pilot_row(
         means = [mean(column) for column in scores(pilot, episodes, quantity).T]
         for level, value in zip(levels, means, strict=True):
             levels[level][quantity] = value if math.isfinite(value) else None
-    over_all = with_episodes(interquartile_mean(table, rng), sum(map(len, episodes.values())))
+    over_all = with_episodes(mean_over_tasks(table, rng), sum(map(len, episodes.values())))
     return {
         "name": pilot.label,
         "seeds": len(pilot.results),
         "folders": [str(result.folder) for result in pilot.results],
         "levels": levels,
-        "interquartile_mean": without_nan(asdict(over_all)),
+        "all_levels": without_nan(asdict(over_all)),
     }
 
 

@@ -47,7 +47,7 @@ def rows(found: Found) -> list[list[str]]:
             pilot["name"],
             str(pilot["seeds"]),
             *(percent(pilot["levels"][level]["success"]) for level in found["levels"]),
-            percent(pilot["interquartile_mean"]),
+            percent(pilot["all_levels"]),
         ]
         for pilot in found["pilots"]
     ]
@@ -65,7 +65,7 @@ def success(found: Found) -> str:
         "Percent. With one training seed: Wilson's 95 % interval over the episodes, of this one trained "
         "pilot. With several: the interquartile mean over them, of the training method, with a 95 % interval "
         "of the seeds (bootstrap) and the episodes (Wilson). Fewer than about five seeds make it too "
-        "narrow.\n\n" + success_table(found)
+        "narrow. All levels: the mean over the levels.\n\n" + success_table(found)
     )
 
 

@@ -18,6 +18,7 @@ from swamp_rl.evaluation.seeds import (
     common_steps,
     curve_band,
     interquartile_mean,
+    mean_over_tasks,
     probability_of_improvement,
 )
 from swamp_rl.evaluation.statistics import (
@@ -46,6 +47,7 @@ __all__ = [
     "holm",
     "interquartile_mean",
     "jet_power",
+    "mean_over_tasks",
     "paired_difference",
     "path_length",
     "probability_of_improvement",

@@ -27,6 +27,18 @@ def interquartile_mean(scores: ArrayLike, rng: np.random.Generator, resamples: i
     return _interval(value, drawn, len(table))
 
 
+def mean_over_tasks(scores: ArrayLike, rng: np.random.Generator, resamples: int = RESAMPLES) -> Interval:
+    """Mean over the tasks of each task's interquartile mean over the seeds (S, M), with its interval; n is S.
+
+    The interquartile mean of all scores leaves out the hardest and the easiest tasks, this one none.
+    ValueError as `interquartile_mean`.
+    """
+    table = _scores(scores)
+    value = float(_iqm(table, axis=0).mean())
+    drawn = _iqm(_resampled(table, rng, resamples), axis=1).mean(axis=-1)
+    return _interval(value, drawn, len(table))
+
+
 def probability_of_improvement(a: ArrayLike, b: ArrayLike, rng: np.random.Generator) -> Interval:
     """Chance that a training of a scores above one of b, a tie counted half, averaged over the tasks.
 

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 from scipy.stats import bootstrap, mannwhitneyu, trim_mean
 
-from swamp_rl.evaluation import common_steps, curve_band, interquartile_mean, probability_of_improvement
+from swamp_rl.evaluation import (
+    common_steps,
+    curve_band,
+    interquartile_mean,
+    mean_over_tasks,
+    probability_of_improvement,
+)
 
 pytestmark = pytest.mark.numerical
 
@@ -16,6 +22,14 @@ def rng(seed: int = 0) -> np.random.Generator:
 def test_interquartile_mean_is_the_mean_of_the_middle_half() -> None:
     scores = np.array([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0], [6.0, 100.0]])
     assert interquartile_mean(scores, rng()).value == pytest.approx(np.mean([2.0, 3.0, 4.0, 5.0]))
+
+
+def test_mean_over_tasks_leaves_out_no_task() -> None:
+    tasks = np.array([1.0, 0.9, 0.5, 0.0])
+    for seeds in (1, 4):
+        found = mean_over_tasks(np.tile(tasks, (seeds, 1)), rng())
+        assert found.value == pytest.approx(tasks.mean())
+    assert (found.low, found.high) == pytest.approx((tasks.mean(), tasks.mean()))
 
 
 def test_stratified_interval_agrees_with_scipys_bootstrap_of_separate_samples() -> None:
