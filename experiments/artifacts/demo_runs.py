@@ -218,6 +218,11 @@ def _read_file(path: Path) -> Found:
 def _read_results(folder: Path) -> Found:
     """The runs learned from and the pilots' own; those of the race are chosen."""
     results = read_json(folder / RESULTS, "make the results again")
+    if not results.keys().isdisjoint(("hidden", "claims")):
+        raise UserError(
+            f"{folder}: an experiment with hidden or claims keeps no runs of its pilots; name a dataset or a "
+            "pilot's folder in it"
+        )
     try:
         race, data_source = dict(results["race"]["runs"]), str(results["data"]["source"])
     except (ValueError, KeyError, TypeError) as error:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NoReturn
 
 from swamp_rl.experiments.artifacts.provenance import (
     CONFIG,
@@ -18,6 +18,7 @@ from swamp_rl.experiments.config.load import load_experiment, overridden
 from swamp_rl.experiments.config.schema import Experiment, Targets, pilot_name
 from swamp_rl.experiments.studies.run import evaluated
 
+from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
 from swamp_rl.files import shipped_folders
 from swamp_rl.pilots.arguments import Asked, asked_pilot
@@ -89,7 +90,7 @@ def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], 
             raise UserError(f"{home}: only {' and '.join(CHANGEABLE)} can be set, nothing is trained again")
         there = [name for name in kept.pilots if _is_pilot(home / "pilots" / name)]
         if not there:
-            raise UserError(f"{home}: holds no trained pilot; train them with swamp-rl train")
+            _refuse_none(home, "train them with swamp-rl train")
         for name in there:
             load_pilot(home / "pilots" / name)  # a damaged one is refused now, and not from a copy
         same = experiment == kept and ((home / TRAINED).is_file() or len(there) == len(kept.pilots))
@@ -144,7 +145,7 @@ def _plans_of(pilots: Sequence[Asked]) -> dict[str, Mapping[str, Any]]:
             found.append((pilot.name, holder, where, {"kind": pilot.kind, "options": pilot.options}))
             continue
         for folder in _stored_in(pilot.folder):
-            holder = (home_of(folder) or folder.resolve().parent).name
+            holder = (home_of(folder) or _holder(folder.resolve())).name
             stored = {"kind": "stored", "options": {"folder": str(folder)}}
             found.append((folder.resolve().name, holder, str(folder), stored))
     names = [pilot_name(name) for name, *_ in found]
@@ -157,11 +158,26 @@ def _plans_of(pilots: Sequence[Asked]) -> dict[str, Mapping[str, Any]]:
     return plans
 
 
+def _holder(pilot: Path) -> Path:
+    """The folder that holds a pilot's, without the `pilots` that every training has."""
+    return pilot.parent.parent if pilot.parent.name == "pilots" else pilot.parent
+
+
+def _refuse_none(folder: Path, advice: str) -> NoReturn:
+    """UserError that a folder holds no trained pilot, with the folders in it that do, as of `hidden`."""
+    below = sorted({str(file.parents[2]) for file in folder.glob(f"*/pilots/*/{DESCRIPTION}")})
+    if below:
+        advice = (
+            f"name {' or '.join(printable(one) for one in below)}, with --experiment {printable(str(folder))}"
+        )
+    raise UserError(f"{folder}: holds no trained pilot{' itself' if below else ''}; {advice}")
+
+
 def _stored_in(folder: Path) -> list[Path]:
     """The folder of a stored pilot, or those of the pilots of a folder of results."""
     inside = [file.parent for file in sorted(folder.glob(f"pilots/*/{DESCRIPTION}"))]
     if not _is_pilot(folder) and not inside:
-        raise UserError(f"{folder}: holds no trained pilot; name a folder of results or of a stored pilot")
+        _refuse_none(folder, "name a folder of results or of a stored pilot")
     return [folder] if _is_pilot(folder) else inside
 
 

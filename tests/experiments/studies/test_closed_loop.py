@@ -9,12 +9,14 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import yaml
+from swamp_rl.experiments.artifacts.demo_runs import read_shown
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import read_scene
 from swamp_rl.experiments.config.schema import Logs
 from swamp_rl.experiments.studies import closed_loop
 from swamp_rl.experiments.studies.closed_loop import noisy, true_scene
 from swamp_rl.experiments.studies.run import run_experiment
+from swamp_rl.experiments.studies.stored import evaluate_folders
 from swamp_rl.experiments.training import train as learn
 
 from swamp_rl.boat import load_boat
@@ -61,6 +63,24 @@ def test_the_extended_boat_is_flown_beside_the_nominal_one_on_the_same_episodes(
     }
     assert difference["extended_less_nominal"]["value"] == pytest.approx(won["extended"] - won["nominal"])
     assert difference["extended_less_nominal"]["n"] == 8
+
+
+def test_the_pilots_of_both_simulators_are_evaluated_under_names_that_tell_them_apart(
+    folder: Path, tmp_path: Path
+) -> None:
+    pilots = [folder / side / "pilots" / "reservoir" for side in ("nominal", "extended")]
+    with empty_figures():
+        found = evaluate_folders(pilots, {"episodes": 2}, out=tmp_path / "out", experiment=str(folder))
+    names = set(pq.read_table(found / "episodes.parquet").to_pydict()["pilot"])
+    assert names == {"nominal-reservoir", "extended-reservoir"}
+
+
+def test_what_the_folder_does_not_hold_itself_is_reported_with_where_it_is(folder: Path) -> None:
+    there = f"name {folder / 'extended'} or {folder / 'nominal'}, with --experiment {folder}"
+    with pytest.raises(UserError, match=f"holds no trained pilot itself; {there}"):
+        evaluate_folders(folder)
+    with pytest.raises(UserError, match="with hidden or claims keeps no runs of its pilots; name a dataset"):
+        read_shown([folder], [], None)
 
 
 def test_the_logs_read_as_runs_of_the_boat_file_and_do_not_tell_the_truth(folder: Path) -> None:
