@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from swamp_rl.experiments.reports.comparison import p_value
-from swamp_rl.experiments.reports.experiment import table
+from swamp_rl.experiments.reports.experiment import table, titled
+
+from swamp_rl.counted import counted
 
 Results = Mapping[str, Any]
 
@@ -25,14 +27,17 @@ def report(results: Results) -> str:
 def opening(results: Results) -> str:
     """What was asked, and of which data."""
     data = results["data"]
-    text = f"# {results['name']}: the claims of thesis 7.3.3, tested\n\n{results['description']}\n\n"
-    if data["source"] == "scripted":
-        return text + (
-            f"**The data are `scripted`: {data['successful']} successful runs of the scripted pilot, a "
-            f"model of human drivers, at the level `{data['recorded_at']}`; none is of a person.** The "
-            "verdicts hold for pilots trained on it. Runs of people can be given as `data.folder`."
-        )
-    return text + f"The data are {data['successful']} successful runs, `{data['source']}`."
+    text = titled(f"{results['name']}: the claims of thesis 7.3.3, tested", results["description"])
+    runs = counted(data["successful"], "successful run")
+    if data["source"] != "scripted":
+        return text + f"The data are {runs}, `{data['source']}`."
+    driver = "that a program drove"
+    if data["recorded_at"] is not None:
+        driver = f"of the scripted pilot, a model of human drivers, at the level `{data['recorded_at']}`"
+    return text + (
+        f"**The data are `scripted`: {runs} {driver}; none is of a person.** The verdicts hold for pilots "
+        "trained on it. Runs of people can be given as `data.folder`."
+    )
 
 
 def summary(results: Results) -> str:
@@ -44,6 +49,8 @@ def summary(results: Results) -> str:
 def method(results: Results) -> str:
     """Method of the tests."""
     plan, data = results["plan"], results["data"]
+    scripted = "the scripted pilot in the same episodes"
+    demonstrator = scripted if data["source"] == "scripted" else "the driver of the data, by these runs"
     drawn = "disjoint samples" if data["disjoint"] else "overlapping samples, as there are too few runs"
     first = ""
     if results["takeover"]:
@@ -58,8 +65,8 @@ def method(results: Results) -> str:
         "bound, and is corrected by Holm over all hypotheses. "
         "*Supported*: the interval lies wholly beyond the bound and p is below 0.05. *Not supported*: it "
         "lies wholly short of it. Else *undecided*. A claim is supported if all its deciding hypotheses "
-        "are, and not supported if one of them is not. *Demonstrator*: the pilot of the data in the "
-        "same episodes."
+        "are, and not supported if one of them is not. *Demonstrator*: "
+        f"{demonstrator}."
     )
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from swamp_rl.experiments.reports.experiment import rate, table
+from swamp_rl.experiments.reports.experiment import rate, table, titled
 from swamp_rl.experiments.reports.figures import success_rates
 
 from swamp_rl.criticism.report.words import number_cells
@@ -24,8 +24,8 @@ def write_report(folder: Path, results: Results) -> None:
 def report(results: Results) -> str:
     """The whole text."""
     parts = [
-        f"# {results['name']}: from logs to a better pilot\n\n{results['description']}\n\n"
-        f"The true boat is `{results['boat']}` with {effects(results)}. Neither the diagnosis "
+        titled(f"{results['name']}: from logs to a better pilot", results["description"])
+        + f"The true boat is `{results['boat']}` with {effects(results)}. Neither the diagnosis "
         "nor the training uses this.",
         found(results),
         "## In the true boat\n\n"

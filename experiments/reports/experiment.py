@@ -47,6 +47,11 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
+def titled(title: str, description: str) -> str:
+    """The head of a Markdown report, before its first paragraph; without a description none of its lines."""
+    return "".join(f"{part}\n\n" for part in (f"# {title}", description) if part)
+
+
 def rate(summary: Mapping[str, Any]) -> str:
     """A success rate with its interval, in percent."""
     low, high = summary["wilson_95"]

@@ -175,7 +175,7 @@ def stands(plan: Claims, flown: Flown) -> list[Hypothesis]:
     made, teacher = [], flown.teachers_success(plan.calm)
     still = flown.success(named(plan.few), plan.calm)
     for level in plan.disturbed:
-        text = f"`{level}` : success is less than {100 * plan.least.loss:g} points below `{plan.calm}`"
+        text = f"`{level}`: success is less than {100 * plan.least.loss:g} points below `{plan.calm}`"
         lost = flown.success(named(plan.few), level) - still
         theirs = flown.teachers_success(level)
         reference = None if theirs is None or teacher is None else theirs - teacher
