@@ -1,6 +1,7 @@
 """`results.json`: what was measured, compared and reached."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from itertools import combinations
@@ -70,6 +71,7 @@ def data_results(dataset: Dataset) -> dict[str, Any]:
         "vehicle": dataset.meta.vehicle,
         "runs": len(dataset.runs),
         "successful": len(good),
+        "outcomes": dict(Counter(run.meta.outcome or "not recorded" for run in dataset.runs)),
         "minutes": sum(run.duration for run in good) / 60.0,
         "command_change": mean_command_change(good),
     }

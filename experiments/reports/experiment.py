@@ -31,7 +31,7 @@ def report(results: Results) -> str:
         failures,
         _returns,
         _targets,
-        _training,
+        training_data,
         _tracks,
         _commands,
         _costs,
@@ -156,18 +156,19 @@ def _fitted_on(pilot: Mapping[str, Any]) -> str:
     return f", trained on {counted(runs['runs'], 'run')} ({runs['source']})" if runs else ""
 
 
-def _training(results: Results) -> str:
+def training_data(results: Results) -> str:
+    """The runs, how they ended, and which of them each pilot learned from."""
     data = results["data"]
     learners = [
         f"* **{name}**: {pilot['learned_from']}{_fitted_on(pilot)}{_made_for(pilot)}"
         for name, pilot in results["pilots"].items()
         if pilot["learned_from"]
     ]
-    failed = data["runs"] - data["successful"]
+    others = _ended(data)
     return (
         f"## {_use(data)}\n\n"
-        f"{counted(data['runs'], 'run')}, of which {failed} failed. Failed runs are kept and marked; a "
-        "pilot is trained on them only where this list says so.\n\n"
+        f"{counted(data['runs'], 'run')}, {data['successful']} of them successful; outcomes of the others: "
+        f"{others}. These are kept and marked; a pilot is trained on them only where this list says so.\n\n"
         + "\n".join(learners)
         + "".join(f"\n* Note: {line}" for line in data["notes"])
         + "\n\n![Tracks of these runs](figures/training_tracks.png)"

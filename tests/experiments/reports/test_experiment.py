@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 from matplotlib.figure import Figure
-from swamp_rl.experiments.reports.experiment import failures, success, targets_reached
+from swamp_rl.experiments.reports.experiment import failures, success, targets_reached, training_data
 from swamp_rl.experiments.reports.figures import success_rates
 
 
@@ -56,3 +56,17 @@ def test_failures_are_counted_by_how_they_ended_the_most_first() -> None:
         result["pilots"][name]["levels"]["calm"]["outcomes"] = outcomes
     text = failures(result)
     assert "| ppo | 5 out of bounds, 1 buoy |" in text and "| sac | none |" in text
+
+
+def test_runs_that_did_not_succeed_are_counted_by_how_they_ended() -> None:
+    result = results({"ppo": 0.4})
+    result["pilots"]["ppo"]["learned_from"] = ""
+    ends = {"success": 21, "buoy": 3, "interrupted": 2, "out_of_bounds": 1}
+    result["data"] = {"runs": 27, "successful": 21, "outcomes": ends, "notes": [], "trained_on": True}
+    text = training_data(result)
+    assert (
+        "27 runs, 21 of them successful; outcomes of the others: 3 buoy, 2 interrupted, 1 out of bounds."
+        in text
+    )
+    result["data"] |= {"runs": 1, "successful": 1, "outcomes": {"success": 1}}
+    assert "1 run, 1 of them successful; outcomes of the others: none." in training_data(result)
