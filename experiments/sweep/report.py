@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.reports.experiment import rate, table
+from swamp_rl.experiments.sweep.over_seeds import over_seeds
 from swamp_rl.experiments.sweep.propose import trials_of
 from swamp_rl.experiments.sweep.schema import Sweep, override
 from swamp_rl.experiments.sweep.store import Trial
@@ -39,6 +40,10 @@ def results(sweep: Sweep, fixed: Sequence[str], trials: Mapping[int, Trial]) -> 
     """All of sweep.json."""
     ended = [trials[number] for number in sorted(trials)]
     best = best_of(sweep, ended)
+    tried = [
+        {"trial": trial.counted, "values": trial.values, "value": trial.value, "summary": trial.summary}
+        for trial in ended
+    ]
     least = {"least_success": sweep.objective.needed} if _measures(sweep) else {}
     return {
         "name": sweep.name,
@@ -51,10 +56,8 @@ def results(sweep: Sweep, fixed: Sequence[str], trials: Mapping[int, Trial]) -> 
         "best": None
         if best is None
         else {"trial": best.counted, "value": best.value, **_again(sweep, fixed, best)},
-        "trials": [
-            {"trial": trial.counted, "values": trial.values, "value": trial.value, "summary": trial.summary}
-            for trial in ended
-        ],
+        "over_seeds": over_seeds(sweep, tried),
+        "trials": tried,
         "measured": {
             str(trial.counted): {"seconds": trial.seconds, "attempts": trial.attempts, "error": trial.error}
             for trial in ended
@@ -122,9 +125,37 @@ def _page(sweep: Sweep, found: Mapping[str, Any]) -> str:
     ]
     if _measures(sweep):
         lines.insert(-2, _order_line(sweep, found["trials"]))
+    if found["over_seeds"]:
+        lines.insert(-1, _seeds_table(sweep, found["over_seeds"]))
     if best is not None:
         lines.insert(-1, f"The best, trial {best['trial']}, in full:\n\n```\n{best['again']}\n```")
     return "\n\n".join(lines) + "\n"
+
+
+def _seeds_table(sweep: Sweep, settings: Sequence[Mapping[str, Any]]) -> str:
+    """Means over the seeds, by which settings are to be chosen."""
+    what = [*_measures(sweep), "success, percent"]
+    head = [*settings[0]["values"], "seeds", *(f"{one}: mean (least to greatest)" for one in what)]
+    cells = [
+        [
+            *(str(value) for value in one["values"].values()),
+            str(one["seeds"]),
+            *(_spread(one["value"], "{:.4g}", 1.0) for _ in _measures(sweep)),
+            _spread(one["success"], "{:.1f}", 100.0),
+        ]
+        for one in settings
+    ]
+    return (
+        "Over the seeds, the best mean first; the best trial of a setting may be that of a lucky seed:\n\n"
+        + table(head, cells)
+    )
+
+
+def _spread(found: Mapping[str, float] | None, form: str, scale: float) -> str:
+    if found is None:
+        return "—"
+    mean, least, greatest = (form.format(scale * found[key]) for key in ("mean", "least", "greatest"))
+    return f"{mean} ({least} to {greatest})"
 
 
 def _order_line(sweep: Sweep, trials: Sequence[Mapping[str, Any]]) -> str:
