@@ -14,7 +14,20 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import extended_config, find_config, read_yaml, validated
 
 Metres = Annotated[float, Field(ge=-1e6, le=1e6)]
-Radians = Annotated[float, Field(ge=-2.0 * math.pi, le=2.0 * math.pi)]
+TURN = 2.0 * math.pi  # rad
+
+
+def _no_degrees(angle: Any) -> Any:
+    if isinstance(angle, int | float) and TURN < abs(angle) <= 360.0:
+        raise ValueError(f"must be an angle in rad, up to one turn, not {angle:g}; {_in_radians(angle)}")
+    return angle
+
+
+def _in_radians(degrees: float) -> str:
+    return f"{degrees:g} degrees are {math.radians(degrees):.4g} rad"
+
+
+Radians = Annotated[float, BeforeValidator(_no_degrees), Field(ge=-TURN, le=TURN)]
 Positive = Annotated[float, Field(gt=0.0, le=1e6)]
 SHORTEST, LONGEST = 1.0, DAY  # s
 Seconds = Annotated[float, Field(ge=SHORTEST, le=LONGEST)]
@@ -66,6 +79,10 @@ class Start(_Strict):
     def _spread_is_a_distance(self) -> "Start":
         if min(self.spread.north, self.spread.east, self.spread.heading) < 0.0:
             raise ValueError("spread must not be negative; it reaches to either side of the pose")
+        wide = self.spread.heading
+        if wide > 1.001 * math.pi:  # or half a turn, rounded
+            told = _in_radians(wide)
+            raise ValueError(f"spread.heading must be at most half a turn, not {wide:g} rad; {told}")
         return self
 
 

@@ -63,8 +63,19 @@ def test_an_impossible_course_is_refused_in_one_line_with_file_and_key(
 
 def test_a_heading_in_degrees_is_refused(tmp_path: Path) -> None:
     gate = {"name": "one", "centre": {"north": 3.0, "east": 2.0}, "heading": 90.0, "width": 4.0}
-    with pytest.raises(UserError, match=r"gates\.0\.heading"):
+    with pytest.raises(UserError, match=r"gates\.0\.heading: must be .* not 90; 90 degrees are 1\.571 rad"):
         load_course(course_file(tmp_path, gates=[gate]))
+
+
+def test_a_spread_of_the_heading_in_degrees_is_refused(tmp_path: Path) -> None:
+    start = {
+        "pose": {"north": 0.0, "east": 0.0, "heading": 0.0},
+        "spread": {"north": 0.5, "east": 0.5, "heading": 5.0},
+    }
+    path = tmp_path / "wide.yaml"
+    path.write_text(yaml.safe_dump({"extends": "camogli", "name": "wide", "start": start}))
+    with pytest.raises(UserError, match=r"at most half a turn, not 5 rad; 5 degrees are 0\.08727 rad"):
+        load_course(path)
 
 
 def test_two_gates_of_one_name_are_refused(tmp_path: Path) -> None:
