@@ -107,10 +107,11 @@ class Recordings:
         journal.remove()
 
     def sentence(self) -> str:
-        """How many runs were kept, and how many are unfinished, in words."""
+        """How many runs were kept, and how many are interrupted and unfinished, in words."""
         left = len(list(self.unfinished.glob("run-*.csv")))
         unfinished = f", {counted(left, 'unfinished run')} to be stored at the next start" if left else ""
-        return f"{counted(self.count, 'run')}{unfinished}"
+        interrupted = f", {self._interrupted} interrupted" if self._interrupted else ""
+        return f"{counted(self.count, 'run')}{interrupted}{unfinished}"
 
     def read(self, name: str) -> Run:
         """The run of that name; UserError if the dataset lists none."""
@@ -188,6 +189,7 @@ class Recordings:
     def _count_and_board(self) -> None:
         runs = read_meta(self.folder).runs
         self.count = sum(run.outcome != INTERRUPTED for run in runs)
+        self._interrupted = len(runs) - self.count
         self.board: list[dict[str, Any]] = []
         for run in runs:
             self._rank(Path(str(run.file)).stem, run.model_dump())

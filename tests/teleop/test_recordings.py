@@ -176,7 +176,7 @@ def test_an_unfinished_run_is_on_the_disk_row_by_row_and_taken_in_as_interrupted
     run = found.read("run-0001")
     assert len(run.time) == 12
     assert run.meta.outcome == "interrupted"
-    assert found.count == 0 and found.board == []
+    assert found.count == 0 and found.board == [] and found.sentence() == "0 runs, 1 interrupted"
     assert largest_difference(run, BOAT) == 0.0
     assert "never finished" in heard[0]
 

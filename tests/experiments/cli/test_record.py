@@ -85,7 +85,7 @@ def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_inter
         )
     with started(folder) as (process, result, _):
         assert "run-0001: never finished, taken into the dataset" in result[0]
-        assert stopped(process, signal.SIGINT) == (0, f"{folder}: 0 runs\n")
+        assert stopped(process, signal.SIGINT) == (0, f"{folder}: 0 runs, 1 interrupted\n")
     dataset = read_dataset(folder)
     assert dataset.meta.source == "scripted"
     (run,) = dataset.runs
