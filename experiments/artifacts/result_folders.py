@@ -158,22 +158,29 @@ def _traced(results: Sequence[Result]) -> list[Result]:
     """With the origins of stored pilots, by the SHA-256 that both results give."""
     trained: dict[str, tuple[str, Result]] = {}
     for result in results:
-        measured = result.results.get("pilots", {})
+        measured = _mapping(result.results.get("pilots"))
         for name, plan in result.experiment.get("pilots", {}).items():
-            sha = measured.get(name, {}).get("sha256")
-            if sha and plan.get("kind") not in STORED:
+            sha = _mapping(measured.get(name)).get("sha256")
+            if isinstance(sha, str) and _kind(plan) not in STORED:
                 trained.setdefault(sha, (name, result))
-    return [
-        replace(
-            result,
-            origins={
-                name: trained[sha]
-                for name, plan in result.experiment.get("pilots", {}).items()
-                if plan.get("kind") == "stored" and (sha := plan["options"].get("sha256")) in trained
-            },
-        )
-        for result in results
-    ]
+
+    def origins(result: Result) -> dict[str, tuple[str, Result]]:
+        plans = result.experiment.get("pilots", {})
+        stored = {
+            n: plan.get("options", {}).get("sha256") for n, plan in plans.items() if _kind(plan) == "stored"
+        }
+        return {name: trained[sha] for name, sha in stored.items() if isinstance(sha, str) and sha in trained}
+
+    return [replace(result, origins=origins(result)) for result in results]
+
+
+def _mapping(data: Any) -> Mapping[str, Any]:
+    """What should be a mapping, as a folder may hold anything; an empty one for anything else."""
+    return data if isinstance(data, Mapping) else {}
+
+
+def _kind(plan: Mapping[str, Any]) -> str:
+    return str(plan.get("kind"))
 
 
 def _methods(result: Result) -> dict[str, str]:
@@ -268,7 +275,9 @@ def plan_of(result: Result, pilot: str) -> dict[str, Any]:
     if any(one is None or one.from_runs for one in learners):
         made["data"] = experiment.get("data")
     if any(one is None or one.by_trying for one in learners):
-        made["reward"] = {term: weight for term, weight in experiment.get("reward", {}).items() if weight}
+        made["reward"] = {
+            term: weight for term, weight in _mapping(experiment.get("reward")).items() if weight
+        }
         made |= {key: experiment.get(key) or None for key in LIMITS}
     return made
 
@@ -277,13 +286,13 @@ def _learner(plan: Mapping[str, Any]) -> "Learner | None":
     """The learner of a plan's kind; None for a class of one's own, which may learn from anything."""
     from swamp_rl.experiments.config.learners import LEARNERS
 
-    kind = "stored" if plan.get("kind") in STORED else plan.get("kind")
+    kind = "stored" if _kind(plan) in STORED else _kind(plan)
     return LEARNERS[kind]() if kind in LEARNERS else None
 
 
 def _without_place(plan: Mapping[str, Any]) -> Mapping[str, Any]:
     """A stored pilot's plan names the file by its SHA-256 alone, wherever it lies."""
-    place = STORED.get(plan.get("kind", ""))
+    place = STORED.get(_kind(plan))
     options = plan.get("options", {})
     if place is None or "sha256" not in options:
         return plan

@@ -192,6 +192,16 @@ def test_a_stored_pilot_is_the_one_that_was_trained(tmp_path: Path) -> None:
         assert [(one["name"], one["seeds"]) for one in compare(asked)["pilots"]] == [("reservoir", 1)]
 
 
+def test_a_folder_that_holds_anything_in_place_of_mappings_is_compared_all_the_same(tmp_path: Path) -> None:
+    odd = changed(folder_of(tmp_path / "odd", {"ppo": np.ones(20)}), reward=[1], data="x", bounds=[2])
+    plans = {"ppo": {"kind": ["ppo"]}, "net": {"kind": "stored", "options": {"sha256": ["a"]}}}
+    changed(odd, pilots=plans, bounds={})
+    (odd / "results.json").write_text(json.dumps({"pilots": [1]}))
+    assert [one["name"] for one in compare([odd])["pilots"]] == ["ppo"]
+    (odd / "results.json").write_text(json.dumps({"pilots": {"ppo": 3, "net": {"sha256": {}}}}))
+    assert [one["name"] for one in compare([odd])["pilots"]] == ["ppo"]
+
+
 def test_other_courses_are_refused_in_one_line(tmp_path: Path) -> None:
     folder_of(tmp_path / "a", {"reservoir": np.ones(20)})
     folder_of(tmp_path / "b", {"ppo": np.ones(20)}, course="elsewhere")
