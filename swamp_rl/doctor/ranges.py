@@ -8,22 +8,20 @@ from numpy.typing import NDArray
 
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
-from swamp_rl.runs.check import TURN, command_counts_turns, counts_turns
+from swamp_rl.runs.check import LARGEST_RUDDER, TURN, command_counts_turns, counts_turns
+from swamp_rl.runs.geographic import METRES_PER_DEGREE, MOST_LATITUDE, in_degrees
 
 Array = NDArray[np.float64]
 
 ANGLES = ("heading", "wind_from", "azimuth_", "rudder_", "applied_azimuth_", "applied_rudder_")
 LEVELS = ("throttle_", "applied_throttle_", "joy_")
-LARGEST_RUDDER = 0.5 * math.pi
-"""rad: no rudder turns further."""
 SCALES = ((1.5, 105.0, 0.01, "percent"), (105.0, 2500.0, 1.0 / 400.0, "pulse widths in microseconds"))
 """Span of the largest value of a level, what one of it is, and its name; a level in our unit is at most 1."""
 
 
 def range_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
     """Columns in degrees, percent or microseconds, and the runs with these in our units."""
-    found = []
-    factors: dict[str, float] = {}
+    found, factors = _position_findings(runs)
     for name in dict.fromkeys(name for run in runs for name in run.columns):
         having = [run for run in runs if name in run.columns and np.isfinite(run.columns[name]).any()]
         if not having:
@@ -48,6 +46,24 @@ def range_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
     if not factors:
         return found, list(runs)
     return found, [_scaled(run, factors) for run in runs]
+
+
+def _position_findings(runs: Sequence[Run]) -> tuple[list[Finding], dict[str, float]]:
+    """Positions that are latitude and longitude in every run, and the factors that make metres of them."""
+    having = [run for run in runs if {"north", "east"} <= run.columns.keys()]
+    places = [np.array([run.columns["north"], run.columns["east"]]) for run in having]
+    if not places or not all(in_degrees(north, east) for north, east in places):
+        return [], {}
+    north, east = np.nanmedian(np.concatenate(places, axis=1), axis=1)
+    span = max(float(np.nanmax(np.nanmax(place, axis=1) - np.nanmin(place, axis=1))) for place in places)
+    swapped = abs(north) > MOST_LATITUDE
+    names = ("longitude", "latitude") if swapped else ("latitude", "longitude")
+    message = f"span {span:.2g} m at most, about {north:.6g} and {east:.6g}, as latitude and longitude do"
+    advice = f"map them as {names[0]} and {names[1]} in runs import, which makes metres of them"
+    shorter = METRES_PER_DEGREE * math.cos(math.radians(float(east if swapped else north)))
+    factors = (shorter, METRES_PER_DEGREE) if swapped else (METRES_PER_DEGREE, shorter)
+    finding = Finding("fault", "unit", ("north", "east"), message, advice, figures={"span": span})
+    return [finding], dict(zip(("north", "east"), factors, strict=True))
 
 
 def _fault(name: str, message: str, advice: str, largest: float) -> Finding:

@@ -21,6 +21,7 @@ DEGREES = 180.0 / math.pi
 FASTEST_TURN = 1.5  # rad/s that a boat keeps up; in degrees a second hardly more than a drift
 FASTEST_COMMAND = 2.0 * math.pi  # rad/s of the azimuth of a thruster without limits, in most rows
 TURN = 2.0 * math.pi + 1e-6  # rad
+LARGEST_RUDDER = 0.5 * math.pi  # rad: no rudder turns further
 MOST_REPEATED = 0.5
 """Of the steps of time: where more are 0, the clock is coarser than the rows."""
 BARELY_BEYOND = 1.1
