@@ -189,15 +189,27 @@ def _list(sources: list[Path], kind: str, folders: bool, join: str | None, boat:
 
     if kind in ("mcap", "telemetry", "free-running"):
         raise UserError(f"--list: is not for --from {kind}; MCAP with CDR is --from rosbag")
-    vessel, suggested = load_boat(boat or "swamp"), []
+    vessel, suggested = load_boat(boat or "swamp"), dict[str, list[str]]()
     logs = read_logs(sources, kind, None, folders)
     for log in logs if join is None else [as_one(list(logs), join)]:
         for line in listing(log):
             typer.echo(line)
-        suggested.append([] if kind in BINARY else proposal(log, vessel))
-    if suggested and all(one == suggested[0] for one in suggested):
-        for line in suggested[0]:
-            typer.echo(line)
+        suggested[log.name] = [] if kind in BINARY else proposal(log, vessel)
+    for line in _common(suggested):
+        typer.echo(line)
+
+
+def _common(suggested: dict[str, list[str]]) -> list[str]:
+    """The options that are suggested for all logs for which there are some, and the logs without any."""
+    having = [lines for lines in suggested.values() if lines]
+    if not having:
+        return []
+    if any(lines != having[0] for lines in having):
+        return ["by the names of their columns these logs need different options: --list one at a time"]
+    without = [clipped(name) for name, lines in suggested.items() if not lines]
+    return having[0] + [f"no column known by name: {', '.join(without)}; leave them out, or map them"] * bool(
+        without
+    )
 
 
 def _tell(out: Path, made: "DatasetMeta", option: str) -> None:

@@ -3,14 +3,18 @@
 import math
 import re
 import shlex
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.logs.log import Array, Log
+from swamp_rl.runs.check import LARGEST_RUDDER, TURN, counts_turns
 from swamp_rl.runs.columns import command_columns, command_limits
+from swamp_rl.runs.geographic import MOST_LATITUDE, in_degrees
 from swamp_rl.runs.import_foreign import in_expression
 from swamp_rl.runs.stamps import from_numbers
 from swamp_rl.runs.units import factor
@@ -114,12 +118,16 @@ def _position(there: Collection[str]) -> tuple[str, ...]:
 def _suggested(log: Log, boat: Boat) -> dict[str, Suggestion]:
     """The columns of a log that by their names are quantities or commands of the boat."""
     several = len(log.tables) > 1
-    there = [
-        (Suggestion(f"{table.name}.{column}" if several else column, unit), words)
+    values = {
+        f"{table.name}.{column}" if several else column: numbers
         for table in log.tables.values()
-        for column in table.table.columns
+        for column, numbers in table.table.columns.items()
         if len(column) <= LONGEST and column.isprintable() and "`" not in column
-        for words, unit in [_words_of(column, table.table.columns[column])]
+    }
+    there = [
+        (Suggestion(column, unit), words)
+        for column, numbers in values.items()
+        for words, unit in [_words_of(column.partition(".")[2] if several else column, numbers)]
     ]
     found: dict[str, Suggestion] = {}
     for name, known in NAMES.items():
@@ -128,9 +136,21 @@ def _suggested(log: Log, boat: Boat) -> dict[str, Suggestion]:
             found |= _times(fitting)
         elif fitting:
             found[name] = fitting[0]
+    found = _with_places(found, values)
     kept = {*_position(found), *(VELOCITY if found.keys() >= set(VELOCITY) else ())}
     left_out = {name for pair in (*POSITIONS, VELOCITY) for name in pair} - kept
     return {name: one for name, one in found.items() if name not in left_out} | _commands(there, boat)
+
+
+def _with_places(found: dict[str, Suggestion], values: Mapping[str, Array]) -> dict[str, Suggestion]:
+    """The suggestions, a position in degrees as latitude and longitude; of values (T,) by column."""
+    pair = _position(found)
+    columns = [found[name] for name in pair]
+    if not pair or pair == POSITIONS[0] or not in_degrees(*(values[one.column] for one in columns)):
+        return found
+    if np.nanmedian(np.abs(values[columns[0].column])) > MOST_LATITUDE:
+        columns.reverse()
+    return found | dict(zip(POSITIONS[0], columns, strict=True))
 
 
 def _times(fitting: Sequence[Suggestion]) -> dict[str, Suggestion]:
@@ -169,15 +189,27 @@ def _is_named(command: str, words: frozenset[str], percent: bool) -> bool:
 
 
 def _words_of(column: str, values: Array) -> tuple[frozenset[str], str]:
-    """The words of a column's name without its unit and source, and the unit; of a time whose name has none,
-    that of its steps."""
+    """The words of a column's name without its unit and source, and the unit, that of its values where the
+    name has none."""
     words = [word.lower() for word in WORD.findall(column)]
     units = [UNIT_OF[word] for word in words[1:] if word in UNIT_OF]
     unit = "deg/s" if "deg" in units and words[-1] == "s" else next(filter(None, units), "")
     plain = words[:1] + [word for word in words[1:] if word not in UNIT_OF]
     kept = [word for word in plain if word not in SOURCES.split()] or plain
     named = _set_of(" ".join(kept))
-    return named, unit or (_unit_of_steps(values) if named in map(_set_of, TIMES) else "")
+    return named, unit or _unit_of_values(named, values)
+
+
+def _unit_of_values(named: frozenset[str], values: Array) -> str:
+    """The unit of a time or an angle whose name has none, by its values."""
+    if named in map(_set_of, TIMES):
+        return _unit_of_steps(values)
+    known = np.abs(values[np.isfinite(values)])
+    largest = float(known.max()) if len(known) else 0.0
+    if "rudder" in named:
+        return "deg" if largest > LARGEST_RUDDER else ""
+    is_angle = named in map(_set_of, NAMES["heading"].split(", ")) or "azimuth" in named
+    return "deg" if is_angle and largest > TURN and not counts_turns(values, None, farthest=TURN) else ""
 
 
 def _unit_of_steps(stamps: Array) -> str:

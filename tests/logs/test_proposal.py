@@ -148,6 +148,7 @@ def test_logs_with_other_columns_have_no_common_options(call: Call, tmp_path: Pa
     assert "by their names" not in call(*logs, "--list")
     for log in logs:
         assert "by their names, to be checked: --map time=" in call(log, "--list")
+    assert "need different options: --list one at a time" in call(*logs, "--list")
     again = tmp_path / "again" / "other.csv"
     again.parent.mkdir()
     again.write_bytes(logs[0].read_bytes())
@@ -168,3 +169,46 @@ def test_the_unit_of_times_without_one_is_that_of_their_steps(times: np.ndarray,
     table = Table({"original_timestamp": times, "lat": np.zeros(3)}, np.arange(1, 4))
     found, missing = suggested("swamp", Log("day.csv", "day", {"day": LogTable("day", table)}))
     assert found["time"] == said and "time" not in missing
+
+
+def test_a_table_of_other_things_does_not_hide_the_options_of_the_logs(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "logs").mkdir()
+    for name in ("one", "two"):
+        csv_of(tmp_path / "logs" / f"{name}.csv", {"t": ["0.0", "1.0"], "lat": ["44.0", "44.1"]})
+    csv_of(tmp_path / "logs" / "notes.csv", {"id": ["1", "2"]})
+    said = call(tmp_path / "logs", "--list")
+    assert said.count("by their names, to be checked: --map time=t") == 1
+    assert said.splitlines()[-1].startswith("no column known by name: notes;")
+
+
+def logged(**columns: list[float]) -> Log:
+    table = Table({name: np.array(values) for name, values in columns.items()}, np.arange(1, 4))
+    return Log("day.csv", "day", {"day": LogTable("day", table)})
+
+
+@pytest.mark.parametrize(
+    ("heading", "said"),
+    [
+        ([1.0, 3.0, -2.0], "heading"),
+        ([6.0, 7.0, 8.0], "heading"),  # counts its turns
+        ([350.0, 359.0, 2.0], "heading [deg]"),
+        ([-12.0, -50.0, 30.0], "heading [deg]"),
+    ],
+)
+def test_a_heading_without_a_unit_is_in_degrees_if_no_radians_are_so_large(
+    heading: list[float], said: str
+) -> None:
+    found, _ = suggested("esso_osaka", logged(t=[0.0, 1.0, 2.0], heading=heading, rudder=[-0.3, 0.0, 0.3]))
+    assert (found["heading"], found["rudder_main"]) == (said, "rudder")
+    found, _ = suggested("esso_osaka", logged(t=[0.0, 1.0, 2.0], heading=heading, rudder=[-30.0, 0.0, 30.0]))
+    assert found["rudder_main"] == "rudder [deg]"
+
+
+def test_coordinates_in_degrees_are_suggested_as_latitude_and_longitude() -> None:
+    near, far = [39.94333, 39.94335, 39.94431], [-100.20056, -100.20001, -100.19897]
+    found, _ = suggested("esso_osaka", logged(x=near, y=far))
+    assert (found["latitude"], found["longitude"]) == ("x", "y") and not {"x", "y"} & found.keys()
+    found, _ = suggested("esso_osaka", logged(x=far, y=near))
+    assert (found["latitude"], found["longitude"]) == ("y", "x")
+    found, _ = suggested("esso_osaka", logged(x=[0.0, 1.0, 2.0], y=near))
+    assert (found["x"], found["y"]) == ("x", "y")
