@@ -6,6 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from swamp_rl.boat import Boat
+from swamp_rl.clipped import clipped
+from swamp_rl.errors import UserError
 from swamp_rl.logs.default_commands import MESSAGES, NUMBERS, commands
 from swamp_rl.logs.expression import evaluated, names_in, parsed
 from swamp_rl.logs.log import Log, LogTable
@@ -98,6 +100,8 @@ ULOG = (
     Source("vehicle_attitude", "yaw rate", {"r": "vehicle_attitude.yawspeed"}),
     Source("sensor_combined", "yaw rate", {"r": "sensor_combined.gyro_rad[2]"}),
 )
+POSE_2D = "geometry_msgs/Pose2D"
+"""Of positions, set points and controllers' outputs alike: of several no one is taken."""
 POSES = {"geometry_msgs/PoseStamped": "pose", "geometry_msgs/PoseWithCovarianceStamped": "pose.pose"}
 TWIST = {
     "u": "TABLE.twist.twist.linear.x",
@@ -119,12 +123,12 @@ ROS = (
         Source(kind, "position", {a: f"TABLE.{pose}.position.{a}" for a in "xy"})
         for kind, pose in POSES.items()
     ),
-    Source("geometry_msgs/Pose2D", "position", {a: f"TABLE.{a}" for a in "xy"}),
+    Source(POSE_2D, "position", {a: f"TABLE.{a}" for a in "xy"}),
     *(
         Source(kind, "heading", {f"q{a}": f"TABLE.{pose}.orientation.{a}" for a in "wxyz"})
         for kind, pose in POSES.items()
     ),
-    Source("geometry_msgs/Pose2D", "heading", {"yaw": "TABLE.theta"}),
+    Source(POSE_2D, "heading", {"yaw": "TABLE.theta"}),
     Source(
         "sensor_msgs/Imu",
         "heading",
@@ -159,20 +163,40 @@ def ros_kinds() -> Collection[str]:
 
 
 def default_mapping(kind: str, log: Log, given: LogMapping, boat: Boat) -> LogMapping:
-    """The default mapping of what the log has and the given one does not, in the frame of the format."""
+    """The default mapping of what the log has and the given one does not, in the frame of the format.
+
+    UserError where a quantity is of several messages of POSE_2D alone.
+    """
     columns: dict[str, str] = {}
     taken: set[str] = set()
     for source in SOURCES[kind]:
+        if source.gives in taken or all(replaced(name, given.columns) for name in source.columns):
+            continue
+        fitting = {}
         for table in log.tables.values():
-            if (table.kind if kind == "rosbag" else table.name) != source.message or source.gives in taken:
-                continue
-            own = {name: _where_valid(table, source, text) for name, text in source.columns.items()}
-            if all(_has_numbers(table, text) for text in own.values()):
-                columns |= own
-                taken.add(source.gives)
+            if (table.kind if kind == "rosbag" else table.name) == source.message:
+                own = {name: _where_valid(table, source, text) for name, text in source.columns.items()}
+                if all(_has_numbers(table, text) for text in own.values()):
+                    fitting[table.name] = own
+        if fitting:
+            if source.message == POSE_2D and len(fitting) > 1:
+                raise UserError(_several(log, source, list(fitting)))
+            columns |= next(iter(fitting.values()))
+            taken.add(source.gives)
     columns = {name: text for name, text in columns.items() if not replaced(name, given.columns)}
     columns |= {name: text for name, text in commands(kind, log, boat).items() if name not in given.columns}
     return LogMapping({name: parsed(text) for name, text in columns.items()}, frame=FRAMES[kind])
+
+
+def _several(log: Log, source: Source, tables: list[str]) -> str:
+    """What to say where several messages of one type may be what a source gives."""
+    options = " ".join(
+        f"--map {name}={text.replace('TABLE', 'TOPIC')}" for name, text in source.columns.items()
+    )
+    return (
+        f"{log.file}: the {source.gives} may be that of {len(tables)} topics of {source.message} "
+        f"({clipped(', '.join(tables), 400)}); give {options} with one of them"
+    )
 
 
 def _where_valid(table: LogTable, source: Source, text: str) -> str:

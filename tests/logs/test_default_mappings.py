@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from swamp_rl.boat import load_boat
+from swamp_rl.errors import UserError
 from swamp_rl.logs.default_commands import commands
 from swamp_rl.logs.defaults import default_mapping
 from swamp_rl.logs.expression import evaluated, names_in, parsed
@@ -14,6 +15,7 @@ from swamp_rl.logs.mapping import Mapping
 from swamp_rl.runs.table import Table
 from tests.support.from_scratch import written
 
+POSE = "geometry_msgs/Pose2D"
 POSITION = {"x": [1.0, 2.0, 3.0, 4.0], "y": [0.0] * 4}
 FIX = {"lat": [5e8, 5e8, 5e8 + 10, 5e8 + 20], "lon": [1e8] * 4, "fix_type": [0.0, 3.0, 3.0, 3.0]}
 
@@ -157,3 +159,23 @@ def test_the_pilots_levers_are_kept_where_no_actuator_is_certain() -> None:
     found = commands("ulog", log, load_boat("swamp"))
     assert values_of(log, found["joy_thrust"]) == [0.0, 0.2, 0.4, 0.6]
     assert values_of(log, found["joy_angle"]) == [0.0, -0.5, 0.5, 1.0]
+
+
+def test_of_several_poses_in_the_plane_none_is_taken() -> None:
+    """A controller's output and a set point are of the same type as the position."""
+    pose = {"x": np.array([0.0, 1.0, 2.0]), "y": np.zeros(3), "theta": np.zeros(3)}
+
+    def log(*names: str) -> Log:
+        tables = {n: LogTable(n, Table(pose, np.arange(1, 4)), np.arange(3.0), POSE) for n in names}
+        return Log("trip.bag", "trip", tables)
+
+    assert set(mapped_by_default(log("ins"), "rosbag").columns) == {"x", "y", "yaw"}
+    with pytest.raises(
+        UserError, match=r"position may be that of 2 topics .*\(input, ins\).* --map x=TOPIC.x"
+    ):
+        mapped_by_default(log("input", "ins"), "rosbag")
+    given = Mapping({name: parsed(f"ins.{name}") for name in "xy"})
+    with pytest.raises(UserError, match=r"heading may be that of 2 topics .* --map yaw=TOPIC.theta"):
+        default_mapping("rosbag", log("input", "ins"), given, load_boat("swamp"))
+    given = Mapping(dict(given.columns) | {"yaw": parsed("ins.theta")})
+    assert default_mapping("rosbag", log("input", "ins"), given, load_boat("swamp")).columns == {}
