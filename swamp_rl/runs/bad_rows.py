@@ -97,11 +97,12 @@ def stretches(
         border = np.abs(steps - period) > STEP_TOLERANCE * period
     else:
         border = (steps < 0.0) | gaps(steps, fill)
-    lines += [
-        str(Fault(file, int(rows[good[i + 1]]), "time", f"{steps[i]:.6g} s after the row before"))
-        for i in np.flatnonzero(border)[:MOST_TOLD]
+    borders = [
+        Fault(file, int(rows[good[i + 1]]), "time", f"{steps[i]:.6g} s after the row before")
+        for i in np.flatnonzero(border)
         if not bad[good[i] : good[i + 1]].any()
     ]
+    lines += [str(fault) for fault in condensed(borders)]
     parts = np.split(good, np.flatnonzero(border) + 1)
     kept = [part for part in parts if len(part) >= FEWEST_ROWS]
     share = float(np.mean(bad[~paused])) if not paused.all() else 0.0

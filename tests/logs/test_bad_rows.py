@@ -183,3 +183,14 @@ def test_rows_beside_a_pause_that_are_bad_by_a_unit_are_still_refused(tmp_path: 
     throttle = ["throttle_port=boat_odometry.pose.pose.position.x + 2"]
     with pytest.raises(UserError, match="100% of the rows are bad, so a unit or the mapping is wrong"):
         imported(log, boat, throttle, Wishes(bad_rows="split"))
+
+
+def test_steps_of_another_length_are_told_in_one_line(tmp_path: Path, boat: str) -> None:
+    was = weaving()
+    names = {"t": "time", "n": "north", "e": "east", "psi": "heading"}
+    cells = {ours: [repr(float(value)) for value in was[name]] for ours, name in names.items()}
+    log = csv_of(tmp_path / "log.csv", cells, drop=tuple(range(30, 300, 30)))
+    runs = imported(log, boat, ABSOLUTE, Wishes(bad_rows="split"))
+    assert len(runs) == 10
+    _, *told = (runs[0].meta.model_extra or {})["rows_left_out"]
+    assert len(told) == 1 and "0.2 s after the row before (in 9 of rows 31 to 263)" in told[0]
