@@ -33,7 +33,7 @@ FORMULA = "=+-@"
 "What a spreadsheet takes for the beginning of a formula, in a header too, when it opens a run as CSV."
 ODD_NAME = (
     f"is not a column name: it is not blank, has at most {LONGEST} bytes, all print and the first is none "
-    f"of {FORMULA}; rename it"
+    f"of {FORMULA}; rename it, or leave it out"
 )
 
 

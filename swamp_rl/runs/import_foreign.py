@@ -15,7 +15,7 @@ from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs.bad_rows import REFUSED, BadRows, gap_faults, listed, stretches
-from swamp_rl.runs.check import MISSING, REPEATS, check_table
+from swamp_rl.runs.check import MISSING, ODD_NAME, REPEATS, check_table
 from swamp_rl.runs.columns import NO_THRUSTER, REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import NEAR, Place, distance, to_local
@@ -283,6 +283,8 @@ def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:
         hint += " (--rate HZ counts rows at a constant rate)"
     elif fault.column == "time" and "resample" in fault.message:
         hint += " (--resample HZ), or divide it (--bad-rows split)"
+    elif ODD_NAME in fault.message:
+        hint += f" ({option_of('--drop ', fault.column)})"
     elif NO_THRUSTER in fault.message:
         hint += " (--map, --boat)" if mapped else " (--map or --column, --drop, --boat)"
     elif "degrees" in fault.message and fault.column not in IN_DEGREES:

@@ -7,7 +7,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.ordinary import ordinary
 from swamp_rl.runs.schema import META
 from swamp_rl.runs.table import FORMATS
-from swamp_rl.runs.text_header import TEXTS, has_names
+from swamp_rl.runs.text_header import TEXTS, complaint_of, has_names
 
 SUFFIXES = {
     "csv": (".csv", ".tsv"),
@@ -70,6 +70,10 @@ def kind_of(sources: Sequence[Path]) -> str:
         unknown = found[None]
         if advice := _remedy(unknown):
             raise UserError(f"{unknown}: is not read; {advice}")
+        if complaint := _is_text(unknown) and complaint_of(unknown):
+            raise UserError(
+                f"{unknown}: {complaint}; of text that is no table give --from telemetry or free-running"
+            )
         raise UserError(
             f"{unknown}: neither its suffix nor its header tells what it is; give --from, one of "
             f"{', '.join(SUFFIXES)}"
@@ -86,11 +90,15 @@ def kind_of(sources: Sequence[Path]) -> str:
 
 def _remedy(path: Path) -> str | None:
     """What to do with a file that is not read, by its suffix or its first bytes."""
-    if path.suffix.lower() in TEXTS and path.is_file():
+    if _is_text(path):
         with ordinary(path, None).open("rb") as stream:
             begin = stream.read(max(map(len, BEGINNINGS)))
         return next((remedy for first, remedy in BEGINNINGS.items() if begin.startswith(first)), None)
     return REMEDIES.get(path.suffix.lower())
+
+
+def _is_text(path: Path) -> bool:
+    return path.suffix.lower() in TEXTS and path.is_file()
 
 
 def _kinds(source: Path) -> set[str | None]:

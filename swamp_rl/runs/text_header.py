@@ -14,6 +14,10 @@ TEXTS = (".csv", ".tsv", ".txt", ".dat", ".log")
 SEPARATORS = ";", "\t"
 """Of cells, where a first line without a comma has them; numbers may then have a decimal comma."""
 LONGEST_HEADER = 2**17
+FIRST_LINES = 20
+"""Of a text, in which a table's first row is looked for."""
+BETWEEN = re.compile(r"[,;]\s*|\s+")
+"""Cells of a row, whatever separates them."""
 COMMENT = re.compile(rb"(\xef\xbb\xbf)?[#%]+[ \t]*(?=\w)")
 """Before the names in files of NumPy, MATLAB or gnuplot."""
 
@@ -85,7 +89,7 @@ def _first_row(lines: list[str]) -> tuple[int, int] | None:
     found = (
         (i, len(cells))
         for i, line in enumerate(lines)
-        if len(cells := line.split()) > 1 and _are_values(cells)
+        if len(cells := BETWEEN.split(line.strip())) > 1 and _are_values(cells)
     )
     return next(found, None)
 
@@ -113,10 +117,24 @@ def unquoted(name: str) -> str:
 
 def has_names(path: Path) -> bool:
     """Whether the first line of a file names the columns of a table: at least two words, none a number."""
-    with ordinary(path, None).open("rb") as stream:
-        begin = b"".join(stream.readline(LONGEST_HEADER) for _ in range(2))
     try:
-        names = read_header(begin).names
+        names = read_header(_begin(path, 2)).names
     except (HeaderError, UnicodeDecodeError):
         return False
     return len(names) > 1 and all(name.strip() and number_in(name) is None for name in names)
+
+
+def complaint_of(path: Path) -> str | None:
+    """What is wrong with the first line of a table in text; None where nothing is, or it is no text."""
+    try:
+        read_header(_begin(path, FIRST_LINES))
+    except HeaderError as error:
+        return str(error)
+    except UnicodeDecodeError:
+        pass
+    return None
+
+
+def _begin(path: Path, lines: int) -> bytes:
+    with ordinary(path, None).open("rb") as stream:
+        return b"".join(stream.readline(LONGEST_HEADER) for _ in range(lines))

@@ -8,6 +8,7 @@ import pytest
 from swamp_rl.errors import UserError
 from swamp_rl.runs import read_dataset
 from swamp_rl.runs.import_dataset import import_runs
+from swamp_rl.runs.import_foreign import Wishes
 from swamp_rl.runs.kind_of_file import kind_of
 from swamp_rl.runs.table import read_table
 from tests.support.runs import circling
@@ -58,7 +59,7 @@ def test_a_first_line_of_numbers_is_not_taken_for_names(tmp_path: Path, first: s
     assert "its first line holds numbers; the first line must name the columns" in str(fault)
 
 
-@pytest.mark.parametrize("between", ["\t", " ", "   "])
+@pytest.mark.parametrize("between", ["\t", " ", "   ", ",", ", "])
 def test_a_title_above_a_table_is_not_taken_for_its_only_column(tmp_path: Path, between: str) -> None:
     path = tmp_path / "log.dat"
     rows = [between.join(["0.0", "1.5", "2e-1"]), between.join(["0.1", "1.6", "2e-1"])]
@@ -85,6 +86,11 @@ def test_whole_numbers_may_be_names(tmp_path: Path) -> None:
             "is not read; it holds NMEA sentences; convert it to CSV",
         ),
         ("log.txt", "Lake test\nt x y\n0 1 2\n", "give --from"),
+        (
+            "log.txt",
+            "START OF TEST\nax, ay, yaw, throttle\n0.1,0.2,284.8,1500\n",
+            "its first line names 1 column, line 3 has 4 values; .* remove what stands before it; .* --from",
+        ),
         ("log.log", "", "give --from"),
         (
             "1.log",
@@ -104,3 +110,12 @@ def test_another_file_is_refused_with_what_to_do(tmp_path: Path, name: str, text
     with pytest.raises(UserError, match=f"{name}: .*{part}") as error:
         kind_of([path])
     assert len(str(error.value).splitlines()) == 1
+
+
+def test_a_name_that_no_run_may_have_is_refused_with_the_option_that_leaves_it_out(tmp_path: Path) -> None:
+    rows = ["time,north,east,heading,-rudder", "0.0,0.0,0.0,0.0,1.0", "0.1,0.1,0.0,0.0,1.0"]
+    (tmp_path / "log.csv").write_text("\n".join(rows) + "\n")
+    with pytest.raises(UserError, match=r"column -rudder: is not a column name: .* \(--drop -rudder\)"):
+        import_runs([tmp_path / "log.csv"], "csv", tmp_path / "out")
+    import_runs([tmp_path / "log.csv"], "csv", tmp_path / "out", wishes=Wishes(dropped=("-rudder",)))
+    assert "-rudder" not in read_dataset(tmp_path / "out").runs[0].columns
