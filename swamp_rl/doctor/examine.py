@@ -20,6 +20,7 @@ from swamp_rl.doctor.times import JUMP, time_findings
 from swamp_rl.doctor.unpowered import unpowered_findings
 from swamp_rl.runs import Run
 from swamp_rl.runs.columns import REQUIRED
+from swamp_rl.runs.same_run import same_runs
 
 LONGEST_ROW = 0.25
 """Lengths that the boat passes from row to row: the motion's corner, speed / (2 pi length), then lies at
@@ -39,7 +40,7 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     whether channels without noise are odd. Runs are divided where their positions jump. A column that another
     check has shown to be in another unit is brought into ours, in memory, before those that rest on it.
     """
-    found = missing_findings(runs)
+    found = missing_findings(runs) + twice_findings(runs, measured)
     without, runs = finite_runs(runs)
     found += without + time_findings(runs)
     jumps, runs = jump_findings(runs)
@@ -81,6 +82,19 @@ def missing_findings(runs: Sequence[Run]) -> list[Finding]:
     return [
         Finding("fault", "columns_missing", lacking, message, "name them so, or give --map in runs import")
     ]
+
+
+def twice_findings(runs: Sequence[Run], measured: bool = True) -> list[Finding]:
+    """Runs that are there twice: one held out would be fitted to. measured: whether they have noise, without
+    which runs may repeat."""
+    pairs = same_runs([run.columns for run in runs])
+    names = tuple(dict.fromkeys(runs[i].name for pair in pairs for i in pair))
+    if not pairs or not measured:
+        return []
+    first, second = pairs[0]
+    message = f"{runs[second].name} is the same motion as {runs[first].name}, row by row"
+    figures = {"pairs": float(len(pairs))}
+    return [Finding("fault", "run_twice", ("heading",), message, "leave one of the two out", names, figures)]
 
 
 def _whole(run: Run) -> bool:

@@ -128,7 +128,7 @@ def complaint(dataset: Path, boat: str | Path, out: Path, holdout: Path | None =
 def test_sound_runs_are_not_refused(tmp_path: Path) -> None:
     data = recorded(tmp_path / "data", as_it_is)
     with pytest.raises(FittedError):
-        diagnose(data, "swamp", tmp_path / "out", recorded(tmp_path / "other", as_it_is))
+        diagnose(data, "swamp", tmp_path / "out", recorded(tmp_path / "other", cut(slice(1, None))))
     assert not (tmp_path / "out").exists()
 
 
@@ -180,6 +180,13 @@ def test_runs_held_out_must_be_others_of_the_same_boat_and_as_sound(tmp_path: Pa
     assert "nothing would be held out" in complaint(data, "swamp", out, data)
     dead = recorded(tmp_path / "dead", setting(heading=1.0))
     assert complaint(data, "swamp", out, dead).startswith(str(dead))
+
+
+def test_a_run_is_not_held_out_that_is_fitted_to_nor_fitted_to_twice(tmp_path: Path) -> None:
+    data, other = recorded(tmp_path / "data", as_it_is), recorded(tmp_path / "other", as_it_is)
+    assert "it would be held out and fitted to" in complaint(data, "swamp", tmp_path / "out", other)
+    with pytest.raises(UserError, match="other_run_0 are the same run; leave one of the two"):
+        diagnose([data, other], "swamp", tmp_path / "out")
 
 
 def test_nothing_is_written_over_what_is_no_diagnosis_or_what_it_is_made_from(tmp_path: Path) -> None:
