@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from swamp_rl.boat import load_boat
 from swamp_rl.counted import counted
 from swamp_rl.criticism.data.checks import refuse_sources_inside
+from swamp_rl.criticism.data.command_names import as_column
 from swamp_rl.criticism.data.excitation import missing_motion
 from swamp_rl.criticism.data.inputs import Named, inputs_of, read_inputs
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
@@ -196,7 +197,9 @@ def examine(
         indistinguishable=[names] if found.rivals else [],
         contrasts=[rival(one) for one in found.rivals],
         separating_trial=separating_manoeuvre(with_noise, sigmas, found.winner, found.rivals),
-        leftover=leftover,
+        leftover=[
+            one.model_copy(update={"variable": as_column(one.variable, run_set.boat)}) for one in leftover
+        ],
         extension=extended,
         next_steps=next_steps(run_set.boat, leftover, extended, lacks, run_set.wind)
         if verdict == "unexplained"

@@ -33,6 +33,21 @@ def test_a_boat_file_of_no_fitted_number_is_to_be_identified_first(estimated: Bo
 
 
 @pytest.mark.parametrize(
+    ("boat", "variable", "said"),
+    [
+        ("esso_osaka", "azimuth main", "rudder main"),
+        ("esso_osaka", "throttle main", "propeller main"),
+        ("esso_osaka", "azimuth", "rudder"),
+        ("swamp", "azimuth bs", "azimuth bs"),
+        ("swamp", "throttle", "throttle"),
+    ],
+)
+def test_commands_are_called_as_in_the_run_format(boat: str, variable: str, said: str) -> None:
+    *_, step = next_steps(load_boat(boat), left(variable), None, [])
+    assert step.startswith(f"the missing force depends on {said}, which suggests the thrusters")
+
+
+@pytest.mark.parametrize(
     ("variable", "force", "advice"),
     [
         ("heading", "yaw", "record the wind"),
@@ -69,6 +84,6 @@ def test_functions_of_the_missing_force_have_a_step_for_each_origin() -> None:
     ]
     found = Extension(curves=curves, held_out=HeldOut(gain=9.0, low=1.0, level=0.05), written=True)
     thrusters, hull, extended = next_steps(FITTED, left("heading"), found, [])
-    assert thrusters.startswith("the missing force depends on azimuth, which suggests the thrusters")
+    assert thrusters.startswith("the missing force depends on rudder, which suggests the thrusters")
     assert hull.startswith("the missing force depends on yaw rate and sway, which suggests the hull")
     assert extended.startswith("extended_boat.yaml has the missing force")

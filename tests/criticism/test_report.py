@@ -168,8 +168,9 @@ def test_the_function_of_a_residual_force_is_shown_with_its_hypothesis() -> None
         ("swamp", "position east", "position east [m]", 1.0),
         ("swamp", "azimuth bs", "azimuth bs [°]", DEGREES),
         ("swamp", "throttle bs", "throttle bs [of full]", 1.0),
-        ("esso_osaka", "azimuth main", "azimuth main [°]", DEGREES),
-        ("esso_osaka", "throttle main", "throttle main [rps]", 1.0),
+        ("esso_osaka", "azimuth main", "rudder main [°]", DEGREES),
+        ("esso_osaka", "rudder main", "rudder main [°]", DEGREES),
+        ("esso_osaka", "throttle main", "propeller main [rps]", 1.0),
     ],
 )
 def test_what_forces_are_drawn_against_has_its_unit(

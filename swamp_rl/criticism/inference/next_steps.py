@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.data.command_names import as_column
 from swamp_rl.criticism.data.run_set import Wind
 from swamp_rl.criticism.result import Extension, ResidualForce
 
@@ -50,7 +51,7 @@ def next_steps(
     for force, variable in _dependences(leftover, extension):
         origins.setdefault(_origin(force, variable, wind), []).append(variable)
     for origin, variables in origins.items():
-        names = " and ".join(dict.fromkeys(variables))
+        names = " and ".join(dict.fromkeys(as_column(one, boat) for one in variables))
         steps.append(f"the missing force depends on {names}, which suggests {origin}")
     if not origins:
         steps.append(

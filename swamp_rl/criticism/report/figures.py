@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.boat import Boat, PropellerRudder
+from swamp_rl.boat import Boat
 from swamp_rl.constants import Z95
+from swamp_rl.criticism.data.command_names import as_column
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.finding import Finding
 from swamp_rl.criticism.inference.residual_force import Forces, residual_forces
@@ -40,7 +41,9 @@ VARIABLE_UNITS = {
     "sway": ("m/s", 1.0),
     "yaw rate": ("°/s", DEGREES),
     "azimuth": ("°", DEGREES),
+    "rudder": ("°", DEGREES),
     "throttle": ("of full", 1.0),
+    "propeller": ("rps", 1.0),
 }
 # title, unit, factor from SI, channel whose noise is drawn
 SHOWN = {
@@ -244,16 +247,10 @@ def shown_variables(
 
 
 def labelled(variable: str, boat: Boat) -> tuple[str, float]:
-    """A variable with its unit as drawn, and the factor from SI.
-
-    Commands are named by kind and thruster, as `throttle main`, which is rps of a propeller with a rudder.
-    """
-    kind = variable if variable in VARIABLE_UNITS else variable.split()[0]
-    unit, factor = VARIABLE_UNITS[kind]
-    if kind == "throttle":
-        thruster = boat.thrusters[boat.thruster_names.index(variable.removeprefix("throttle "))]
-        unit = "rps" if isinstance(thruster, PropellerRudder) else unit
-    return f"{variable} [{unit}]", factor
+    """A variable with its unit as drawn, and the factor from SI; commands as `as_column` names them."""
+    name = as_column(variable, boat)
+    unit, factor = VARIABLE_UNITS[name if name in VARIABLE_UNITS else name.split()[0]]
+    return f"{name} [{unit}]", factor
 
 
 def draw_missing(figure: Any, finding: Finding) -> None:
