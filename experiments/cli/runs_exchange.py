@@ -181,11 +181,11 @@ def import_(
 
 
 def _list(sources: list[Path], kind: str, folders: bool, join: str | None, boat: str | None) -> None:
-    """The tables and fields of logs, and the options that names suggest where no mapping is the default."""
+    """The tables and fields of logs, and the options that names suggest, or what is taken by default."""
     from swamp_rl.boat import load_boat
     from swamp_rl.logs.import_logs import BINARY, as_one, read_logs
     from swamp_rl.logs.listing import listing
-    from swamp_rl.logs.proposal import proposal
+    from swamp_rl.logs.proposal import proposal, taken_by_default
 
     if kind in ("mcap", "telemetry", "free-running"):
         raise UserError(f"--list: is not for --from {kind}; MCAP with CDR is --from rosbag")
@@ -194,7 +194,8 @@ def _list(sources: list[Path], kind: str, folders: bool, join: str | None, boat:
     for log in logs if join is None else [as_one(list(logs), join)]:
         for line in listing(log):
             typer.echo(line)
-        suggested[log.name] = [] if kind in BINARY else proposal(log, vessel)
+        binary = kind in BINARY
+        suggested[log.name] = taken_by_default(kind, log, vessel) if binary else proposal(log, vessel)
     for line in _common(suggested):
         typer.echo(line)
 
@@ -205,7 +206,7 @@ def _common(suggested: dict[str, list[str]]) -> list[str]:
     if not having:
         return []
     if any(lines != having[0] for lines in having):
-        return ["by the names of their columns these logs need different options: --list one at a time"]
+        return ["these logs need different options: --list one at a time"]
     without = [clipped(name) for name, lines in suggested.items() if not lines]
     return having[0] + [f"no column known by name: {', '.join(without)}; leave them out, or map them"] * bool(
         without

@@ -167,6 +167,12 @@ def default_mapping(kind: str, log: Log, given: LogMapping, boat: Boat) -> LogMa
 
     UserError where a quantity is of several messages of POSE_2D alone.
     """
+    columns = default_columns(kind, log, given, boat)
+    return LogMapping({name: parsed(text) for name, text in columns.items()}, frame=FRAMES[kind])
+
+
+def default_columns(kind: str, log: Log, given: LogMapping, boat: Boat) -> dict[str, str]:
+    """The expressions of `default_mapping` by what they give."""
     columns: dict[str, str] = {}
     taken: set[str] = set()
     for source in SOURCES[kind]:
@@ -180,12 +186,12 @@ def default_mapping(kind: str, log: Log, given: LogMapping, boat: Boat) -> LogMa
                     fitting[table.name] = own
         if fitting:
             if source.message == POSE_2D and len(fitting) > 1:
-                raise UserError(_several(log, source, list(fitting)))
+                raise UserError(_several(log, source, sorted(fitting)))
             columns |= next(iter(fitting.values()))
             taken.add(source.gives)
     columns = {name: text for name, text in columns.items() if not replaced(name, given.columns)}
-    columns |= {name: text for name, text in commands(kind, log, boat).items() if name not in given.columns}
-    return LogMapping({name: parsed(text) for name, text in columns.items()}, frame=FRAMES[kind])
+    commanded = commands(kind, log, boat)
+    return columns | {name: text for name, text in commanded.items() if name not in given.columns}
 
 
 def _several(log: Log, source: Source, tables: list[str]) -> str:

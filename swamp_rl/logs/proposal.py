@@ -10,8 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from swamp_rl.boat import Boat
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
+from swamp_rl.logs.defaults import default_columns
+from swamp_rl.logs.expression import names_in, parsed
 from swamp_rl.logs.log import Array, Log
+from swamp_rl.logs.mapping import Mapping as LogMapping
 from swamp_rl.runs.check import LARGEST_RUDDER, TURN, counts_turns
 from swamp_rl.runs.columns import command_columns, command_limits
 from swamp_rl.runs.geographic import MOST_LATITUDE, in_degrees
@@ -108,6 +112,27 @@ def proposal(log: Log, boat: Boat) -> list[str]:
     lacking = [name for name in wanted if name not in there]
     lines = [f"by their names, to be checked: {' '.join(_options(suggested))}"]
     return lines + [f"not found by name: {', '.join(lacking)}"] * bool(lacking)
+
+
+def taken_by_default(kind: str, log: Log, boat: Boat) -> list[str]:
+    """Lines: from which messages an import of a binary log takes what, and what it lacks."""
+    try:
+        columns = default_columns(kind, log, LogMapping(), boat)
+    except UserError as error:
+        return [str(error).removeprefix(f"{log.file}: ")]
+    tables: dict[str, list[str]] = {}
+    for name, text in columns.items():
+        messages = dict.fromkeys(one.partition(".")[0] for one in names_in(parsed(text)))
+        tables.setdefault(" and ".join(messages), []).append(name)
+    wanted: dict[str, tuple[str, ...]] = {
+        "position": ("latitude", "north", "x"),
+        "heading": ("heading", "yaw", "qw"),
+    }
+    wanted |= {name: (name,) for name in command_columns(boat)}
+    lacking = [what for what, names in wanted.items() if not columns.keys() & set(names)]
+    found = "; ".join(f"{', '.join(names)} from {clipped(table)}" for table, names in tables.items())
+    lines = [f"taken without --map: {found}"] * bool(found)
+    return lines + [f"not found, needs --map: {', '.join(lacking)}"] * bool(lacking)
 
 
 def _position(there: Collection[str]) -> tuple[str, ...]:

@@ -11,9 +11,10 @@ from swamp_rl.experiments.cli import app as cli
 
 from swamp_rl.boat import PropellerRudder, load_boat
 from swamp_rl.logs.log import Log, LogTable
-from swamp_rl.logs.proposal import proposal
+from swamp_rl.logs.proposal import proposal, taken_by_default
 from swamp_rl.runs import read_dataset
 from swamp_rl.runs.table import Table
+from tests.support.binary_logs import bag
 from tests.support.from_scratch import written
 from tests.support.logs import csv_of, weaving
 
@@ -179,6 +180,27 @@ def test_a_table_of_other_things_does_not_hide_the_options_of_the_logs(call: Cal
     said = call(tmp_path / "logs", "--list")
     assert said.count("by their names, to be checked: --map time=t") == 1
     assert said.splitlines()[-1].startswith("no column known by name: notes;")
+
+
+def test_what_a_bag_gives_without_a_mapping_is_listed(call: Call, tmp_path: Path) -> None:
+    log, boat = bag(tmp_path / "trip.bag", "ros1", 3.0), written(tmp_path, "twin")
+    *_, found = call(log, "--list", "--boat", boat).splitlines()
+    taken = dict(part.split(" from ")[::-1] for part in found.partition(": ")[2].split("; "))
+    assert found.startswith("taken without --map: ")
+    assert taken["boat_odometry"] == "x, y, qw, qx, qy, qz, u, v, r"
+    assert taken["thrusters_port_throttle"] == "throttle_port"
+    *_, found, missing = call(log, "--list", "--boat", "esso_osaka").splitlines()
+    assert missing == "not found, needs --map: rudder_main, propeller_main"
+
+
+def test_several_messages_of_one_type_are_listed_as_the_import_refuses_them() -> None:
+    pose = {name: np.arange(3.0) for name in ("x", "y", "theta")}
+    tables = {
+        name: LogTable(name, Table(pose, np.arange(1, 4)), np.arange(3.0), "geometry_msgs/Pose2D")
+        for name in ("set_point", "ins")
+    }
+    (line,) = taken_by_default("rosbag", Log("trip.bag", "trip", tables), load_boat("swamp"))
+    assert line.startswith("the position may be that of 2 topics of geometry_msgs/Pose2D (ins, set_point)")
 
 
 def logged(**columns: list[float]) -> Log:
