@@ -1,6 +1,7 @@
 """From files of others to one dataset of ours, whole or not at all."""
 
 import os
+import re
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
@@ -20,6 +21,7 @@ from swamp_rl.runs.dataset import SUFFIXES as OF_RUNS
 from swamp_rl.runs.dataset import read_meta
 from swamp_rl.runs.describe import rate_of, with_outcome, with_outcomes
 from swamp_rl.runs.earlier_commands import with_earlier_commands
+from swamp_rl.runs.faults import NUMBER
 from swamp_rl.runs.free_running import import_free_running, is_free_running
 from swamp_rl.runs.import_foreign import Foreign, Wishes, runs_from
 from swamp_rl.runs.import_telemetry import read_telemetry
@@ -59,6 +61,10 @@ class About:
     repair: bool = False
 
 
+OTHER_UNIT = "looks like"
+"""Words of a fault that all files of a recorder have."""
+ROWS = re.compile(r" \(in (each|\d+) of rows [^)]*\)")
+"""Rows for which a fault holds, which differ between files."""
 ALONE = {"topic": "mcap", "sender": "telemetry", "repair": "free-running"}
 """Kinds that alone have what an entry of `About` chooses."""
 OF_COLUMNS = {
@@ -144,6 +150,7 @@ def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]
     runs: list[Run] = []
     origins: list[Place] = []
     refused: dict[str, list[str]] = {}  # what is wrong, and the files of which it is said
+    alike: dict[str, str] = {}  # the first fault of those that differ by numbers only
     for one in found:
         try:
             runs += runs_from(one, wishes, boat, origins)
@@ -152,7 +159,8 @@ def _all_runs(found: Sequence[Foreign], wishes: Wishes, boat: Boat) -> list[Run]
         except UserError as error:
             for line in dict.fromkeys(str(error).removesuffix(f"; {REFUSED}").splitlines()):
                 own = line.removeprefix(f"{one.file}: ")
-                refused.setdefault(own, []).extend([one.file] * (own != line))
+                said = alike.setdefault(NUMBER.sub("#", ROWS.sub("", own)), own) if OTHER_UNIT in own else own
+                refused.setdefault(said, []).extend([one.file] * (own != line))
     if refused:
         lines = [f"{and_others(files)}: {one}" if files else one for one, files in refused.items()]
         raise UserError(listed(lines, REFUSED))

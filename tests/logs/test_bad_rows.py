@@ -194,3 +194,19 @@ def test_steps_of_another_length_are_told_in_one_line(tmp_path: Path, boat: str)
     assert len(runs) == 10
     _, *told = (runs[0].meta.model_extra or {})["rows_left_out"]
     assert len(told) == 1 and "0.2 s after the row before (in 9 of rows 31 to 263)" in told[0]
+
+
+def test_a_unit_that_is_wrong_in_all_logs_is_told_once(tmp_path: Path, boat: str) -> None:
+    was, logs = weaving(), []
+    for name, rows in (("one", 250), ("two", 300)):
+        cells = {"t": was["time"], "n": was["north"], "e": was["east"], "psi": np.degrees(was["heading"])}
+        cells |= {"pwm": 1500.0 + 400.0 * was["throttle_port"]}
+        text = {key: [repr(float(value)) for value in values[:rows]] for key, values in cells.items()}
+        logs.append(csv_of(tmp_path / f"{name}.csv", text))
+    reading = Reading(mapping_of([*ABSOLUTE, "throttle_port=pwm", "throttle_starboard=pwm/4000"]))
+    with pytest.raises(UserError) as error:
+        import_logs(logs, "csv", tmp_path / "out", About(boat=boat), Wishes(), reading)
+    lines = str(error.value).splitlines()
+    columns = sorted(line.partition("column ")[2].partition(":")[0] for line in lines)
+    assert columns == ["heading", "throttle_port"]
+    assert all(line.startswith("one.csv and 1 other: ") for line in lines)
