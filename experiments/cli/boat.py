@@ -29,7 +29,10 @@ def new(
     length: Annotated[float, typer.Option(help="Length of the hull at the waterline (m).")],
     breadth: Annotated[float, typer.Option(help="Breadth of the boat, over both hulls (m).")],
     mass: Annotated[float, typer.Option(help="Mass in operating condition (kg).")],
-    thrust: Annotated[float, typer.Option(help="Total bollard pull, full ahead (N).")],
+    thrust: Annotated[
+        float | None,
+        typer.Option(help="Total bollard pull, full ahead (N); estimated from --top-speed by default."),
+    ] = None,
     top_speed: Annotated[
         float | None, typer.Option(help="Speed at full thrust (m/s); estimated by default.")
     ] = None,

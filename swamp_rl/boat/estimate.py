@@ -11,6 +11,7 @@ from swamp_rl.boat.defaults import assumed, default_current, default_joypad, def
 from swamp_rl.boat.estimate_drive import (
     Sizes,
     loss_at_speed,
+    resistance_at,
     resistance_section,
     speed_of_thrust,
     thrusters_of,
@@ -91,7 +92,7 @@ def boat_file(
     length: float,
     breadth: float,
     mass: float,
-    thrust: float,
+    thrust: float | None,
     top_speed: float | None = None,
     draught: float | None = None,
     fin: float | None = None,
@@ -100,10 +101,10 @@ def boat_file(
     """The content of a boat file, each number `assumed`, with its source and the width `sd` of its prior.
 
     kind: one of KINDS; length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full
-    ahead at rest; top_speed [m/s]: what it gives; fin [m²]: lateral area of skeg, fin or lower unit at the
-    stern, none by default; demihull [m]: breadth of each of two hulls, one hull by default. UserError for a
-    number beyond RANGE, for a top speed beyond the Froude number that the simulator holds for, and for
-    dimensions and a mass that no boat has.
+    ahead at rest, None for that of the top speed; top_speed [m/s]: what it gives; fin [m²]: lateral area of
+    skeg, fin or lower unit at the stern, none by default; demihull [m]: breadth of each of two hulls, one
+    hull by default. UserError for a number beyond RANGE, for neither thrust nor top speed, for a top speed
+    beyond the Froude number that the simulator holds for, and for dimensions and a mass that no boat has.
     """
     asked: dict[str, float | None] = {"length": length, "breadth": breadth, "mass": mass}
     asked |= {"thrust": thrust, "top-speed": top_speed, "draught": draught, "fin": fin, "demihull": demihull}
@@ -112,6 +113,10 @@ def boat_file(
             raise UserError(
                 f"--{word} {value:g}: must be a number above 0, within [{RANGE[0]:g}, {RANGE[1]:g}]"
             )
+    if thrust is None and top_speed is None:
+        raise UserError(
+            "--thrust: give the total bollard pull, or --top-speed without it: the thrust is then estimated"
+        )
     froude = (top_speed or 0.0) / math.sqrt(GRAVITY * length)
     if froude > FASTEST:
         raise UserError(
@@ -155,7 +160,7 @@ def _sizes(
     length: float,
     breadth: float,
     mass: float,
-    thrust: float,
+    thrust: float | None,
     top_speed: float | None,
     draught: float | None,
     demihull: float | None,
@@ -163,8 +168,12 @@ def _sizes(
     afloat = breadth if demihull is None else 2.0 * demihull
     block = BLOCK if draught is None else mass / (DENSITY * length * afloat * draught)
     depth = draught_of(mass, length, afloat, DENSITY) if draught is None else draught
-    speed = top_speed or speed_of_thrust(length, mass, (1.0 - loss_at_speed(kind)) * thrust)
-    return Sizes(length, breadth, depth, mass, block, DENSITY, thrust, speed, demihull or breadth)
+    left = 1.0 - loss_at_speed(kind)
+    pull = resistance_at(length, mass, top_speed or 0.0) / left if thrust is None else thrust
+    speed = top_speed or speed_of_thrust(length, mass, left * pull)
+    return Sizes(
+        length, breadth, depth, mass, block, DENSITY, pull, speed, demihull or breadth, thrust is not None
+    )
 
 
 def _particulars(sizes: Sizes, floats: bool) -> dict[str, Any]:

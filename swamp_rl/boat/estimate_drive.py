@@ -9,6 +9,7 @@ from swamp_rl.boat.estimate_hull import fullness
 from swamp_rl.constants import GRAVITY
 
 STEEPNESS = 0.9  # of R / W = 0.9 Fn³, through the deepest curve of SWAMP's towing tank
+GIVEN_SD, ESTIMATED_SD = 0.2, 0.5  # of a thrust that is given, and of one by STEEPNESS
 FASTEST = 1.0  # Froude number that is not exceeded where no top speed is given
 ASTERN = 0.6  # thrust astern over thrust ahead
 SCREW_LOSS, JET_LOSS = 0.5, 0.6  # share of the bollard thrust lost at the top speed
@@ -43,13 +44,15 @@ OSAKA = "as the Esso Osaka model, Miyauchi et al. 2022"
 YOSHIMURA = "Yoshimura and Masumoto 2012"
 MOMENTUM = "momentum theory: a jet of constant speed"
 OURS = "ours, usual of small craft"
+OF_SPEED = "by R = 0.9 m g Fn³ at the top speed, SWAMP's tank"
 
 
 class Sizes(NamedTuple):
     """length, breadth, draught [m], mass [kg], block coefficient [1], water density [kg/m3] of a boat.
 
     thrust [N]: of all thrusters together, full ahead at rest; speed [m/s] that it reaches then.
-    demihull [m]: breadth of each of two hulls, the breadth of the boat where it has one.
+    demihull [m]: breadth of each of two hulls, the breadth of the boat where it has one. thrust_given:
+    whether the thrust is no estimate.
     """
 
     length: float
@@ -61,6 +64,12 @@ class Sizes(NamedTuple):
     thrust: float
     speed: float
     demihull: float
+    thrust_given: bool = True
+
+    @property
+    def thrust_sd(self) -> float:
+        """Standard deviation of the thrust's prior, a share of it."""
+        return GIVEN_SD if self.thrust_given else ESTIMATED_SD
 
     @property
     def spacing(self) -> float:
@@ -89,6 +98,11 @@ def speed_of_thrust(length: float, mass: float, thrust: float) -> float:
     """Speed [m/s] at which R = 0.9 m g Fn³ equals a thrust [N], at a Froude number of 1 at most."""
     froude = min((thrust / (STEEPNESS * mass * GRAVITY)) ** (1.0 / 3.0), FASTEST)
     return froude * math.sqrt(GRAVITY * length)
+
+
+def resistance_at(length: float, mass: float, speed: float) -> float:
+    """R = 0.9 m g Fn³ [N] at a speed [m/s]."""
+    return STEEPNESS * mass * GRAVITY * (speed / math.sqrt(GRAVITY * length)) ** 3
 
 
 def resistance_section(kind: str, sizes: Sizes, source: str) -> dict[str, Any]:
@@ -177,6 +191,7 @@ def _pushing(
     full, lag = share * sizes.thrust, LAG * sizes.passing
     outflow = sizes.speed * ahead / loss_at_speed(kind)
     area = full / (sizes.water_density * outflow**2)
+    given = "given" if sizes.thrust_given else OF_SPEED
     return {
         "name": name,
         **turning,
@@ -184,7 +199,7 @@ def _pushing(
         "y": assumed(place[1], "m", "ours, where such drives are", 0.05 * sizes.breadth),
         "pump_time_constant": assumed(lag, "s", f"{OURS}, 0.3 √(L/g)", lag),
         "thrust_linear": assumed(0.0, "N", "thrust by the square of the throttle", 0.3 * full),
-        "thrust_quadratic": assumed(full, "N", f"given, {share:.3g} of the thrust", 0.2 * full),
+        "thrust_quadratic": assumed(full, "N", f"{given}, {share:.3g} of the thrust", sizes.thrust_sd * full),
         "astern_linear": assumed(0.0, "N", "thrust by the square of the throttle", 0.3 * astern * full),
         "astern_quadratic": assumed(astern * full, "N", f"{OURS}, {astern:g} of ahead", 0.3 * astern * full),
         "dead_band": assumed(0.0, "1", "none known", 0.05),
@@ -230,6 +245,7 @@ def _thrust_at_speed(sizes: Sizes) -> float:
 
 def _propeller_rudder(sizes: Sizes) -> dict[str, Any]:
     diameter, revolutions = _screw(sizes)
+    origin = "gives the thrust at rest" + ("" if sizes.thrust_given else f", {OF_SPEED}")
     rate, lag = STEER_RATE / sizes.passing, LAG * sizes.passing
     return {
         "name": "main",
@@ -237,7 +253,7 @@ def _propeller_rudder(sizes: Sizes) -> dict[str, Any]:
         "rudder_max": assumed(RUDDER, "rad", "usual, 35 deg"),
         "rudder_rate": assumed(rate, "rad/s", f"{OURS}, 0.5 over √(L/g)", 0.7 * rate),
         "rudder_time_constant": assumed(lag / 3.0, "s", f"{OURS}, 0.1 √(L/g)", lag / 3.0),
-        "revolutions_max": assumed(revolutions, "rps", "gives the thrust at rest", 0.1 * revolutions),
+        "revolutions_max": assumed(revolutions, "rps", origin, 0.5 * sizes.thrust_sd * revolutions),
         "revolutions_max_astern": assumed(
             0.8 * revolutions, "rps", f"{OURS}, 0.8 of ahead", 0.2 * revolutions
         ),

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from swamp_rl.boat import load_boat
 from swamp_rl.boat.estimate import KINDS, Kind, annotated, boat_file
-from swamp_rl.boat.estimate_drive import speed_of_thrust
+from swamp_rl.boat.estimate_drive import loss_at_speed, speed_of_thrust
 from swamp_rl.boat.estimate_hull import (
     added_masses,
     cross_flow_drag,
@@ -178,6 +178,29 @@ def test_every_kind_and_size_reaches_its_speed_and_turns_the_way_it_steers(
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_top_speed_that_is_given_is_reached(tmp_path: Path, kind: Kind) -> None:
     assert reference_of(new_boat(tmp_path, kind, top_speed=2.0)).speed == pytest.approx(2.0, rel=0.01)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_without_a_thrust_it_is_that_of_the_top_speed(tmp_path: Path, kind: Kind) -> None:
+    """The default top speed of a thrust gives the thrust back, with a wider prior."""
+    length, mass, thrust = 1.2, 35.0, 12.0
+    loss = loss_at_speed(kind)
+    speed = speed_of_thrust(length, mass, (1.0 - loss) * thrust)
+    boat = new_boat(tmp_path, kind, length, mass=mass, thrust=None, top_speed=speed)
+    assert reference_of(boat).thrust == pytest.approx(thrust, rel=0.01)
+    assert reference_of(boat).speed == pytest.approx(speed, rel=0.01)
+
+    def prior(**pull: float | None) -> float:
+        content = boat_file("a", kind, length, 0.48, mass, top_speed=speed, **pull)["thrusters"][0]
+        number = content["revolutions_max" if "revolutions_max" in content else "thrust_quadratic"]
+        return float(number["sd"] / number["value"])
+
+    assert prior(thrust=None) == pytest.approx(2.5 * prior(thrust=thrust))
+
+
+def test_a_boat_of_neither_thrust_nor_top_speed_is_refused() -> None:
+    with pytest.raises(UserError, match="--thrust: give the total bollard pull, or --top-speed"):
+        boat_file("a", "azimuth", 1.2, 0.5, 30.0, None)
 
 
 @pytest.mark.parametrize("kind", KINDS)
