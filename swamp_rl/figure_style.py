@@ -53,13 +53,16 @@ def sheet(path: Path, width: float, height: float, fitted: bool = True) -> Itera
         save(figure, path)
 
 
-def spaced_axes(figure: Any, rows: int, columns: int, labelled: bool = True, **shared: Any) -> Any:
-    """Axes (rows, columns) with room for labels, and for a legend above; labelled: each has tick labels of
+def spaced_axes(
+    figure: Any, rows: int, columns: int, labelled: bool = True, legend: bool = True, **shared: Any
+) -> Any:
+    """Axes (rows, columns) with room for labels, and for a `legend` above; labelled: each has tick labels of
     its own.
     """
     width, height = figure.get_size_inches()
     left, right, bottom = 0.92, 0.14, 0.5  # inches
     between, above, top = (0.98, 0.75, 0.62) if labelled else (0.14, 0.16, 0.36)
+    top = top if legend else 0.12
     figure.subplots_adjust(
         left=left / width,
         right=1.0 - right / width,

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from swamp_rl.figure_style import sheet
+from swamp_rl.figure_style import sheet, spaced_axes
 
 
 @pytest.mark.parametrize("name", ["$_$", "$x$ and $y^{$", "a_b^c", "\\frac", "$$"])
@@ -32,3 +32,12 @@ def test_a_figure_is_drawn_once_and_all_of_it_has_its_place(
     assert len(drawn) == 1
     box = axes.get_tightbbox()
     assert box.x0 >= 0.0 and box.y0 >= 0.0 and box.x1 <= figure.bbox.x1
+
+
+@pytest.mark.parametrize(("legend", "most"), [(True, 0.9), (False, 0.4)])
+def test_room_above_axes_is_for_a_legend(legend: bool, most: float) -> None:
+    """In inches, of a figure 3 inches high."""
+    figure = Figure(figsize=(9.0, 3.0))
+    (axes, *_) = spaced_axes(figure, 1, 3, legend=legend)[0]
+    room = 3.0 * (1.0 - axes.get_position().y1)
+    assert most - 0.4 < room < most

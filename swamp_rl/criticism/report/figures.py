@@ -256,8 +256,8 @@ def labelled(variable: str, boat: Boat) -> tuple[str, float]:
 def draw_missing(figure: Any, finding: Finding) -> None:
     """Each residual force as a function of its variable, with its 95 % interval."""
     functions = [one for one in finding.diagnosis.leftover if one.curve]
-    figure.set_size_inches(10.5, 3.2)
-    axes = spaced_axes(figure, 1, max(3, len(functions)))[0]
+    figure.set_size_inches(10.5, 2.7)
+    axes = spaced_axes(figure, 1, max(3, len(functions)), legend=False)[0]
     for ax in axes[len(functions) :]:
         ax.set_visible(False)
     for ax, one in zip(axes, functions, strict=False):
