@@ -133,5 +133,21 @@ def test_what_is_no_manoeuvre_is_refused_in_one_line(run: Run, message: str) -> 
 def test_a_stated_manoeuvre_whose_phases_no_mark_names_has_no_figures_and_no_pair() -> None:
     run = turning(np.full(600, 0.2), manoeuvre=CIRCLE | {"angle": 0.4}, marks=[MARK | {"phase": "execute"}])
     result = analyse_run(run, BOAT)
-    assert result.notes == ["no phase 'turning' among its marks: no figures"]
+    assert result.notes == ["no phase 'turning' among its marks, which have 'execute': no figures"]
     assert pairs([result, result], BOAT.length) == []
+
+
+def wandering(turns: float) -> Run:
+    """A run with turns at 0.1 rad/s under steering that wanders about 0.4 rad and is never held."""
+    run = turning(np.full(int(turns * math.tau / (0.1 * DT)), 0.1))
+    share = 1.0 + 0.3 * np.sin(1.7 * run.time) * np.sin(0.31 * run.time)
+    columns = {name: v * share if name.startswith("azimuth_") else v for name, v in run.columns.items()}
+    return Run(run.name, columns, run.meta)
+
+
+def test_a_full_circle_under_a_rudder_that_wanders_is_one() -> None:
+    result = analyse_run(wandering(1.6), BOAT)
+    assert result.kind == "turning-circle"
+    assert result.figures["steady_diameter"].value == pytest.approx(2.0 * 0.8 / 0.1, rel=0.05)
+    with pytest.raises(UserError, match="no turning circle or zig-zag found"):
+        analyse_run(wandering(0.7), BOAT)

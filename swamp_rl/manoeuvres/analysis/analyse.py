@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.analysis.circle import analyse_circle
 from swamp_rl.manoeuvres.analysis.figure import Result
@@ -43,7 +44,8 @@ def analyse_run(run: Run, boat: Boat, seed: int = 0) -> Result:
     analysis, phase = ANALYSES[found.kind]
     rng = np.random.default_rng(seed)
     if not found.of(phase):
-        result.notes.append(f"no phase {phase!r} among its marks: no figures")
+        there = ", ".join(dict.fromkeys(repr(clipped(mark.phase)) for mark in found.marks))
+        result.notes.append(f"no phase {phase!r} among its marks, which have {there}: no figures")
         return result
     analysis(motion, found, result, rng)
     if found.kind == "turning-circle" and found.of("pull-out"):

@@ -20,6 +20,7 @@ HELD = 0.5  # s that an order is held at least
 EXECUTES = 3  # of the steering, to either side in turn, that make a zig-zag
 RAMP_SPAN, RAMP_SHARE = 0.25, 0.2  # s over which steering moves by that share of its fastest, in a ramp
 TURNED = math.pi / 2  # of heading that makes a turning circle
+AT_LEAST = 0.5  # of the most held angle, in a full circle whose steering is not held
 LARGEST = {"angle": math.tau, "heading": math.tau, "throttle": 1.0}  # numbers of a setting [rad, rad, 1]
 
 
@@ -123,7 +124,7 @@ def _found(motion: Motion, kind: Kind | None) -> Recognised | None:
         if side[a] != 0.0 and motion.time[min(b, last)] - motion.time[a] >= HELD
     ]
     if not held:
-        return None
+        return _round(motion, angle, ordered, kind)
     speed = np.hypot(motion.surge, motion.sway)
     way = WAY * float(np.median(speed[held[0][0] : held[-1][1]]))
     # What is ordered before the boat has way on is no trial yet.
@@ -133,8 +134,18 @@ def _found(motion: Motion, kind: Kind | None) -> Recognised | None:
     if kind == "zig-zag" or (kind is None and weaves):
         return _as_zig_zag(motion, orders)
     if kind in ("turning-circle", None):
-        return _as_circle(motion, held)
+        return _as_circle(motion, held) or _round(motion, angle, ordered, kind)
     return None
+
+
+def _round(motion: Motion, angle: Any, ordered: float, kind: Kind | None) -> Recognised | None:
+    """A full circle under steering to one side that is not held, as of a measured rudder that wanders."""
+    if kind not in ("turning-circle", None):
+        return None
+    side = np.where(np.abs(angle) > AT_LEAST * ordered, np.sign(angle), 0.0)
+    rows = [0, *(np.flatnonzero(np.diff(side) != 0.0) + 1).tolist(), len(side)]
+    held = [(a, b) for a, b in pairwise(rows) if side[a] != 0.0]
+    return _as_circle(motion, held, math.tau) if held else None
 
 
 def _most_held(angle: Any) -> float:
@@ -190,10 +201,10 @@ def _as_zig_zag(motion: Motion, orders: list[tuple[int, int]]) -> Recognised | N
     return Recognised("zig-zag", {"kind": "zig-zag", "angle": marks[0].angle}, marks)
 
 
-def _as_circle(motion: Motion, held: list[tuple[int, int]]) -> Recognised | None:
+def _as_circle(motion: Motion, held: list[tuple[int, int]], least: float = TURNED) -> Recognised | None:
     first, last = max(held, key=lambda rows: abs(motion.heading[rows[1] - 1] - motion.heading[rows[0]]))
     turned = np.abs(motion.heading[first:last] - motion.heading[first])
-    if turned.max() < TURNED:
+    if turned.max() < least:
         return None
     angle = float(np.median(motion.angle[first:last]))
     marks = [Mark(float(motion.time[_began(motion, first)]), "turning", 1, angle)]
