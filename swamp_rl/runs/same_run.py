@@ -24,7 +24,7 @@ def same_motion(one: Columns, other: Columns) -> bool:
     A run without heading, or of which nothing varies, agrees with none.
     """
     names = (one.keys() & other.keys()) - APART
-    if "heading" not in names or len(one["heading"]) != len(other["heading"]):
+    if "heading" not in names or not _ends_agree(one["heading"], other["heading"]):
         return False
     varies = False
     for name in names:
@@ -43,6 +43,14 @@ def same_motion(one: Columns, other: Columns) -> bool:
             return False
         varies |= float(np.ptp(first)) > 0.0
     return varies
+
+
+def _ends_agree(first: Array, second: Array) -> bool:
+    """Whether two columns have as many rows and the same first and last value: most runs differ there."""
+    if len(first) != len(second) or not len(first):
+        return False
+    ends = ((first[i], second[i]) for i in (0, -1))
+    return not any(abs(a - b) > ROUNDING * (1.0 + abs(a)) for a, b in ends)
 
 
 def same_runs(runs: Sequence[Columns], others: Sequence[Columns] | None = None) -> list[tuple[int, int]]:
