@@ -48,7 +48,7 @@ def refuse_to_replace(message: str, path: Path, read: Iterable[Path]) -> None:
     with suppress(OSError), path.open("rb") as file:
         begin = file.read(BEGIN)
     if not any(mark_of(one).encode() in begin for one in read):
-        raise UserError(f"{message}: already exists; name another file, or remove it")
+        raise UserError(f"{message}: already exists; name another place, or remove it")
 
 
 def _guarded(verb: Any) -> Any:

@@ -35,10 +35,10 @@ def draw_figures(
 
 
 def training_panels(runs: Sequence[Run]) -> list[figures.Panel]:
-    """The successful and the failed runs, without a panel of none."""
+    """The successful and the other runs, without a panel of none."""
     good = [run for run in runs if run.meta.outcome == "success"]
-    failed = [run for run in runs if run.meta.outcome != "success"]
-    labels = (("successful run", good), ("failed run", failed))
+    others = [run for run in runs if run.meta.outcome != "success"]
+    labels = (("successful run", good), ("unsuccessful run", others))
     return [(counted(len(panel), noun), panel) for noun, panel in labels if panel]
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
+from swamp_rl.boat.merge import merge
 from swamp_rl.config_kind import refuse_other_kind
 from swamp_rl.constants import DAY, FASTEST_BOAT, LONGEST_BOAT, SHORTEST_BOAT, SLOWEST_BOAT
 from swamp_rl.errors import UserError
@@ -215,9 +216,10 @@ LENGTHS = ("north", "east", "south", "west", "width", "buoy_radius", "depth")
 def load_course(name_or_path: str | Path) -> Course:
     """The course of a file in `configs/courses` by its bare name, or of any file by its path.
 
-    A file that `extends` another holds only what differs, and may lay the other out for a boat of another
-    size by `scale`: all its lengths times that, its time limit times the square root (Froude's law). Where it
-    has a scale or lengths of its own, it is laid out as it stands: the other's `boat_length` does not hold.
+    A file that `extends` another holds only what differs, key by key as a boat file (`merge`), and may lay
+    the other out for a boat of another size by `scale`: all its lengths times that, its time limit times the
+    square root (Froude's law). Where it has a scale or lengths of its own, it is laid out as it stands: the
+    other's `boat_length` does not hold.
     UserError with file and key if it is missing, malformed or cannot be sailed.
     """
     files = course_files(name_or_path)
@@ -231,7 +233,7 @@ def load_course(name_or_path: str | Path) -> Course:
         del own["extends"]
         if not (OWN_LAYOUT | {"scale"}).isdisjoint(named):
             whole = {key: value for key, value in whole.items() if key not in ("boat_length", "boat_speed")}
-        whole = {**scaled_lengths(whole, scale), "name": file.stem, **own}
+        whole = merge({**scaled_lengths(whole, scale), "name": file.stem}, own)
     return validated(files[0], Course, whole)
 
 

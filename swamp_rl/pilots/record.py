@@ -1,5 +1,6 @@
 """Record runs of the scripted pilot as a dataset."""
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -158,12 +159,14 @@ def _fill(
     # Larger than any seed of an evaluation, so that no pilot is evaluated on its training data.
     episodes = np.random.default_rng(seed)
     good = bad = 0
+    ends: Counter[str] = Counter()
     pilot.reset(AT_ONCE)
     for _ in range(1 + ATTEMPTS * (wanted.good + wanted.failed) // AT_ONCE):
         for run in drive_episodes(
             boats, pilot, vehicle, episodes.integers(2**31, 2**32, AT_ONCE), pilot.step
         ):
             succeeded = run.meta.outcome == "success"
+            ends[str(run.meta.outcome)] += 1
             if good == wanted.good if succeeded else bad == wanted.failed:
                 continue
             number, good, bad = good + bad + 1, good + succeeded, bad + (not succeeded)
@@ -173,9 +176,11 @@ def _fill(
             if (good, bad) == wanted:
                 return
         pilot.reset_boats(np.ones(AT_ONCE, dtype=bool))
+    drawn = ", ".join(f"{count} {end}" for end, count in ends.most_common())
     raise UserError(
         f"the scripted pilot drove {good} good and {bad} failed runs, not {wanted.good} and {wanted.failed}; "
-        "ask for other numbers or disturbances, or for a course of the boat's size: a file with "
+        f"its runs ended with {drawn}; ask for other numbers or disturbances, for a longer `time_limit`, or "
+        "for a course of the boat's size: a file with "
         f"`extends: camogli` and `scale: {max(vehicle.length / SWAMP_LENGTH, 0.1):.1f}`"
     )
 

@@ -78,6 +78,16 @@ def test_a_spread_of_the_heading_in_degrees_is_refused(tmp_path: Path) -> None:
         load_course(path)
 
 
+def test_a_course_that_extends_another_gives_only_the_keys_that_differ(tmp_path: Path) -> None:
+    (tmp_path / "own.yaml").write_text(
+        "extends: camogli\nstart: {spread: {heading: 0.3}}\ngates: {red: {width: 6.0}}\n"
+    )
+    own, whole = load_course(tmp_path / "own.yaml"), load_course("camogli")
+    assert own.start.spread.heading == 0.3 and own.gates[1].width == 6.0
+    assert own.start.pose == whole.start.pose and own.start.spread.north == whole.start.spread.north
+    assert own.gates[0] == whole.gates[0] and own.gates[1].centre == whole.gates[1].centre
+
+
 def test_two_gates_of_one_name_are_refused(tmp_path: Path) -> None:
     gate = {"name": "one", "centre": {"north": 3.0, "east": 2.0}, "heading": 0.0, "width": 4.0}
     with pytest.raises(UserError, match="same name"):

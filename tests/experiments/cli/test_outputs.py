@@ -90,7 +90,7 @@ def test_a_file_that_is_read_is_not_replaced(call: Call, dataset: dict[str, str]
 def test_a_file_that_is_there_is_not_replaced(call: Call, dataset: dict[str, str], words: str) -> None:
     name = next(word for word in words.split() if word.startswith("mine."))
     Path(name).write_text("important")
-    assert_complains(call(*words.split()), f"{name}: already exists; name another file, or remove it")
+    assert_complains(call(*words.split()), f"{name}: already exists; name another place, or remove it")
     assert Path(name).read_text() == "important"
 
 
@@ -103,7 +103,9 @@ def test_tracks_are_drawn_anew_for_the_same_runs_and_not_over_those_of_others_of
         assert call("runs", "show", "runs")[0] == 0
     drawn = Path("results/runs-tracks.png").read_bytes()
     result = call("runs", "show", "other/runs")
-    assert_complains(result, "--out results/runs-tracks.png: already exists; name another file, or remove it")
+    assert_complains(
+        result, "--out results/runs-tracks.png: already exists; name another place, or remove it"
+    )
     assert Path("results/runs-tracks.png").read_bytes() == drawn
     assert call("runs", "show", "other/runs", "--out", "other.png")[0] == 0
 

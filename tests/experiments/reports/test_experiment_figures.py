@@ -14,6 +14,6 @@ def test_training_runs_without_a_failed_one_have_one_panel() -> None:
     runs = [run("a", "success"), run("b", "buoy"), run("c", "success")]
     assert [(title, len(shown)) for title, shown in training_panels(runs)] == [
         ("2 successful runs", 2),
-        ("1 failed run", 1),
+        ("1 unsuccessful run", 1),
     ]
     assert [title for title, _ in training_panels(runs[:1])] == ["1 successful run"]
