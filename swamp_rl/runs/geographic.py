@@ -14,16 +14,14 @@ METRES_PER_DEGREE = 111_195.0
 
 
 def in_degrees(first: ArrayLike, second: ArrayLike) -> bool:
-    """Whether two coordinates (T,) of a position have the size of latitude and longitude, in either order.
-
-    Rows without a number are left out.
+    """Whether two coordinates (T,), (S,) of a position have the size of latitude and longitude, in either
+    order. What is no number is left out.
     """
-    both = np.array([first, second], float)
-    known = both[:, np.isfinite(both).all(axis=0)]
-    if not known.size:
+    known = [np.asarray(one, float)[np.isfinite(one)] for one in (first, second)]
+    if not all(map(len, known)):
         return False
-    nearer, farther = np.sort(np.abs(np.median(known, axis=1)))
-    span = float(np.ptp(known, axis=1).max())
+    nearer, farther = sorted(abs(float(np.median(one))) for one in known)
+    span = max(float(np.ptp(one)) for one in known)
     return bool(
         nearer <= MOST_LATITUDE
         and farther <= MOST_LONGITUDE

@@ -234,3 +234,10 @@ def test_coordinates_in_degrees_are_suggested_as_latitude_and_longitude() -> Non
     assert (found["latitude"], found["longitude"]) == ("y", "x")
     found, _ = suggested("esso_osaka", logged(x=[0.0, 1.0, 2.0], y=near))
     assert (found["x"], found["y"]) == ("x", "y")
+
+
+def test_coordinates_in_tables_of_other_lengths_are_compared_by_their_sizes() -> None:
+    values = {"a": {"x": np.array([39.94333, 39.94335])}, "b": {"y": np.array([9.2, 9.2001, 9.2002])}}
+    tables = {name: LogTable(name, Table(one, np.arange(3))) for name, one in values.items()}
+    found, _ = suggested("esso_osaka", Log("day", "day", tables))
+    assert (found["latitude"], found["longitude"]) == ("a.x", "b.y")
