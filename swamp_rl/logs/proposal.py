@@ -232,8 +232,9 @@ def _unit_of_values(named: frozenset[str], values: Array) -> str:
     known = np.abs(values[np.isfinite(values)])
     largest = float(known.max()) if len(known) else 0.0
     if "rudder" in named:
-        return "deg" if largest > LARGEST_RUDDER else ""
-    is_angle = named in map(_set_of, NAMES["heading"].split(", ")) or "azimuth" in named
+        return "deg" if LARGEST_RUDDER < largest <= math.degrees(LARGEST_RUDDER) else ""
+    is_azimuth = "azimuth" in named and largest <= math.degrees(TURN)  # and no pulse width
+    is_angle = is_azimuth or named in map(_set_of, NAMES["heading"].split(", "))
     return "deg" if is_angle and largest > TURN and not counts_turns(values, None, farthest=TURN) else ""
 
 

@@ -226,6 +226,12 @@ def test_a_heading_without_a_unit_is_in_degrees_if_no_radians_are_so_large(
     assert found["rudder_main"] == "rudder [deg]"
 
 
+def test_pulse_widths_of_a_command_are_no_degrees() -> None:
+    pulses = [1500.0, 1900.0, 1100.0]
+    assert suggested("esso_osaka", logged(rudder=pulses))[0]["rudder_main"] == "rudder"
+    assert suggested("swamp", logged(azimuth_bs=pulses))[0]["azimuth_bs"] == "azimuth_bs"
+
+
 def test_coordinates_in_degrees_are_suggested_as_latitude_and_longitude() -> None:
     near, far = [39.94333, 39.94335, 39.94431], [-100.20056, -100.20001, -100.19897]
     found, _ = suggested("esso_osaka", logged(x=near, y=far))
