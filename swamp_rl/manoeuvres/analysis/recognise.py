@@ -116,13 +116,8 @@ def _found(motion: Motion, kind: Kind | None) -> Recognised | None:
     ordered = _most_held(angle)
     over = np.abs(np.abs(angle) - ordered) <= max(LEAST, 0.1 * ordered)
     side = np.where(over & (np.abs(angle) > LEAST), np.sign(angle), 0.0)
-    rows = [0, *(np.flatnonzero(np.diff(side) != 0.0) + 1).tolist(), len(side)]
     last = len(motion.time) - 1
-    held = [
-        (a, b)
-        for a, b in pairwise(rows)
-        if side[a] != 0.0 and motion.time[min(b, last)] - motion.time[a] >= HELD
-    ]
+    held = [(a, b) for a, b in _stretches(side) if motion.time[min(b, last)] - motion.time[a] >= HELD]
     if not held:
         return _round(motion, angle, ordered, kind)
     speed = np.hypot(motion.surge, motion.sway)
@@ -143,9 +138,14 @@ def _round(motion: Motion, angle: Any, ordered: float, kind: Kind | None) -> Rec
     if kind not in ("turning-circle", None):
         return None
     side = np.where(np.abs(angle) > AT_LEAST * ordered, np.sign(angle), 0.0)
+    turning = _stretches(side)
+    return _as_circle(motion, turning, math.tau) if turning else None
+
+
+def _stretches(side: Any) -> list[tuple[int, int]]:
+    """First row, and one beyond the last, of each stretch of steering to one side (T,), 0 for none."""
     rows = [0, *(np.flatnonzero(np.diff(side) != 0.0) + 1).tolist(), len(side)]
-    held = [(a, b) for a, b in pairwise(rows) if side[a] != 0.0]
-    return _as_circle(motion, held, math.tau) if held else None
+    return [(a, b) for a, b in pairwise(rows) if side[a] != 0.0]
 
 
 def _most_held(angle: Any) -> float:
