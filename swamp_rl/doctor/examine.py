@@ -40,7 +40,7 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     whether channels without noise are odd. Runs are divided where their positions jump. A column that another
     check has shown to be in another unit is brought into ours, in memory, before those that rest on it.
     """
-    found = missing_findings(runs) + twice_findings(runs, measured)
+    found = missing_findings(runs) + (twice_findings(runs) if measured else [])
     without, runs = finite_runs(runs)
     found += without + time_findings(runs)
     jumps, runs = jump_findings(runs)
@@ -84,13 +84,13 @@ def missing_findings(runs: Sequence[Run]) -> list[Finding]:
     ]
 
 
-def twice_findings(runs: Sequence[Run], measured: bool = True) -> list[Finding]:
-    """Runs that are there twice: one held out would be fitted to. measured: whether they have noise, without
-    which runs may repeat."""
+def twice_findings(runs: Sequence[Run]) -> list[Finding]:
+    """Runs that are there twice, of which one may be held out and the other fitted to; without noise, runs
+    may repeat."""
     pairs = same_runs([run.columns for run in runs])
-    names = tuple(dict.fromkeys(runs[i].name for pair in pairs for i in pair))
-    if not pairs or not measured:
+    if not pairs:
         return []
+    names = tuple(dict.fromkeys(runs[i].name for pair in pairs for i in pair))
     first, second = pairs[0]
     message = f"{runs[second].name} is the same motion as {runs[first].name}, row by row"
     figures = {"pairs": float(len(pairs))}
