@@ -279,17 +279,17 @@ def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:
     described = [(one.file, one.dataset) for one in found if one.dataset is not None]
     if not described:
         return None
-    alike = [(file, dataset.model_copy(update={"runs": [], "notes": None})) for file, dataset in described]
-    first, agreed = alike[0]
-    for file, dataset in alike:
-        if dataset != agreed:
-            theirs, ours = dataset.model_dump(), agreed.model_dump()
-            what = next(key for key in {**ours, **theirs} if theirs.get(key) != ours.get(key))
+    first, agreed = described[0]
+    ours, notes = agreed.model_dump(exclude={"runs", "notes"}), ""
+    for file, dataset in described:
+        theirs = dataset.model_dump(exclude={"runs", "notes"})
+        if other := [key for key in {**ours, **theirs} if theirs.get(key) != ours.get(key)]:
             raise UserError(
-                f"{file}: is of another dataset than {first}, with another {what}; import it separately"
+                f"{file}: is of another dataset than {first}, with another {other[0]}; import it separately"
             )
-    notes = dict.fromkeys(dataset.notes for _, dataset in described if dataset.notes)
-    return agreed.model_copy(update={"notes": " ".join(notes) or None})
+        if dataset.notes and dataset.notes not in notes:
+            notes = f"{notes} {dataset.notes}".lstrip()
+    return agreed.model_copy(update={"runs": [], "notes": notes or None})
 
 
 def _read_table(path: Path, kind: Kind, dataset: DatasetMeta | None, wishes: Wishes) -> Foreign:
