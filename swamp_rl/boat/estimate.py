@@ -101,10 +101,11 @@ def boat_file(
     """The content of a boat file, each number `assumed`, with its source and the width `sd` of its prior.
 
     kind: one of KINDS; length, breadth, draught [m], mass [kg]; thrust [N]: of all thrusters together, full
-    ahead at rest, None for that of the top speed; top_speed [m/s]: what it gives; fin [m²]: lateral area of
-    skeg, fin or lower unit at the stern, none by default; demihull [m]: breadth of each of two hulls, one
-    hull by default. UserError for a number beyond RANGE, for neither thrust nor top speed, for a top speed
-    beyond the Froude number that the simulator holds for, and for dimensions and a mass that no boat has.
+    ahead at rest, None to estimate it by the top speed; top_speed [m/s]: what it gives; fin [m²]: lateral
+    area of skeg, fin or lower unit at the stern, none by default; demihull [m]: breadth of each of two hulls,
+    one hull by default. UserError for a number beyond RANGE, for neither thrust nor top speed, for a top
+    speed beyond the Froude number that the simulator holds for, and for dimensions and a mass that no boat
+    has.
     """
     asked: dict[str, float | None] = {"length": length, "breadth": breadth, "mass": mass}
     asked |= {"thrust": thrust, "top-speed": top_speed, "draught": draught, "fin": fin, "demihull": demihull}
@@ -115,7 +116,7 @@ def boat_file(
             )
     if thrust is None and top_speed is None:
         raise UserError(
-            "--thrust: give the total bollard pull, or --top-speed without it: the thrust is then estimated"
+            "--thrust: give the total bollard pull [N], or --top-speed [m/s], by which it is estimated"
         )
     froude = (top_speed or 0.0) / math.sqrt(GRAVITY * length)
     if froude > FASTEST:

@@ -199,7 +199,7 @@ def test_without_a_thrust_it_is_that_of_the_top_speed(tmp_path: Path, kind: Kind
 
 
 def test_a_boat_of_neither_thrust_nor_top_speed_is_refused() -> None:
-    with pytest.raises(UserError, match="--thrust: give the total bollard pull, or --top-speed"):
+    with pytest.raises(UserError, match=r"--thrust: give the total bollard pull \[N\], or --top-speed"):
         boat_file("a", "azimuth", 1.2, 0.5, 30.0, None)
 
 
