@@ -26,8 +26,8 @@ LEVEL = 0.01  # chance that any of the runs has a significant flow where there i
 
 @dataclass(frozen=True)
 class RunFlow:
-    """Mean current towards north and east, or wind from there, of a run or a piece of one, and the standard
-    error of its speed along its direction [m/s].
+    """Mean flow [m/s] of a run or a piece of one: north and east components of where a current sets, or of
+    where a wind blows from; the standard error of its speed along its direction.
     """
 
     name: str
