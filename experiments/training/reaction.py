@@ -19,10 +19,10 @@ def reaction_warning(scene: Scene, name: str, plan: PilotPlan, runs: Sequence[Ru
     than its `reaction`, so that it would learn to act too early; else None.
 
     The levers' delay is the shift at which a linear function of the observations explains most of them. The
-    last action is none of these: it explains the next one best without a delay, whoever drives.
+    last action is not among these: it explains the next one best without a delay, whoever drives.
     """
     reaction = plan.options.get("reaction", 0.0)
-    senses = [name for name in plan.options.get("senses", ()) if name not in LAST]
+    senses = [sense for sense in plan.options.get("senses", ()) if sense not in LAST]
     if reaction == 0.0 or not senses:
         return None
     seen = [with_gates(run, scene.course) for run in runs]
