@@ -257,7 +257,7 @@ def _did(pilot: str, result: Result) -> str:
 
 def plan_of(result: Result, pilot: str) -> dict[str, Any]:
     """All that went into a pilot's training: its plan and those of pilots it starts from; the data, where
-    one of them learned from runs; reward and limits, where one learned in the simulator."""
+    one of them learned from runs; the reward, where one learned in the simulator."""
     if pilot in result.origins:
         name, trained = result.origins[pilot]
         return plan_of(trained, name)
@@ -278,7 +278,6 @@ def plan_of(result: Result, pilot: str) -> dict[str, Any]:
         made["reward"] = {
             term: weight for term, weight in _mapping(experiment.get("reward")).items() if weight
         }
-        made |= {key: experiment.get(key) or None for key in LIMITS}
     return made
 
 
@@ -307,7 +306,7 @@ def seedless(data: Any) -> Any:
 
 
 def refuse_other_settings(results: Sequence[Result]) -> None:
-    """UserError for the first result whose boat, course, levels or step differ from those of the first."""
+    """UserError for the first result whose `setting` differs from that of the first."""
     first = results[0]
     marks = first.setting()
     for result in results[1:]:
