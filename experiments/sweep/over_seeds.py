@@ -11,7 +11,7 @@ def over_seeds(sweep: Sweep, trials: Sequence[Mapping[str, Any]]) -> list[dict[s
     trials have a summary), and the mean, the least and the greatest of `success` and of the objective's
     `value` over them, None where no trial has one.
 
-    Empty where no parameter is a seed, or none is anything else.
+    Empty where no parameter is a seed, or none is anything else, or no setting has trials of two seeds.
     """
     settings = [key for key in sweep.parameters if not _is_seed(key)]
     if not settings or len(settings) == len(sweep.parameters):
@@ -20,6 +20,8 @@ def over_seeds(sweep: Sweep, trials: Sequence[Mapping[str, Any]]) -> list[dict[s
     for trial in trials:
         if trial["summary"] is not None:
             groups.setdefault(repr([trial["values"][key] for key in settings]), []).append(trial)
+    if all(len(group) < 2 for group in groups.values()):
+        return []
     found = [
         {
             "values": {key: group[0]["values"][key] for key in settings},

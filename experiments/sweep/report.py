@@ -146,7 +146,7 @@ def _seeds_table(sweep: Sweep, settings: Sequence[Mapping[str, Any]]) -> str:
         for one in settings
     ]
     return (
-        "Over the seeds, the best mean first; the best trial of a setting may be that of a lucky seed:\n\n"
+        "Over the seeds, the best mean first; the best single trial depends on its seed as well:\n\n"
         + table(head, cells)
     )
 

@@ -43,6 +43,10 @@ def test_one_kind_of_parameter_alone_has_nothing_to_take_together(only: str) -> 
     assert over_seeds(sweep_of(parameters={only: PARAMETERS[only]}), tried()) == []
 
 
+def test_trials_of_different_settings_are_listed_once_as_trials() -> None:
+    assert over_seeds(sweep_of(parameters=PARAMETERS), tried()[1:3]) == []
+
+
 def test_the_page_lists_the_means(tmp_path: Path) -> None:
     trials = {}
     for number, one in enumerate(tried()):
