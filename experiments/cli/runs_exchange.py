@@ -201,16 +201,14 @@ def _list(sources: list[Path], kind: str, folders: bool, join: str | None, boat:
 
 
 def _common(suggested: dict[str, list[str]]) -> list[str]:
-    """The options that are suggested for all logs for which there are some, and the logs without any."""
+    """The lines that all logs share that have any, and the names of those without; by name of the log."""
     having = [lines for lines in suggested.values() if lines]
     if not having:
         return []
     if any(lines != having[0] for lines in having):
-        return ["these logs need different options: --list one at a time"]
-    without = [clipped(name) for name, lines in suggested.items() if not lines]
-    return having[0] + [f"no column known by name: {', '.join(without)}; leave them out, or map them"] * bool(
-        without
-    )
+        return ["these logs differ in their columns: --list one at a time"]
+    without = ", ".join(clipped(name) for name, lines in suggested.items() if not lines)
+    return having[0] + [f"no column known by name: {without}; leave them out, or map them"] * bool(without)
 
 
 def _tell(out: Path, made: "DatasetMeta", option: str) -> None:

@@ -149,7 +149,7 @@ def test_logs_with_other_columns_have_no_common_options(call: Call, tmp_path: Pa
     assert "by their names" not in call(*logs, "--list")
     for log in logs:
         assert "by their names, to be checked: --map time=" in call(log, "--list")
-    assert "need different options: --list one at a time" in call(*logs, "--list")
+    assert "differ in their columns: --list one at a time" in call(*logs, "--list")
     again = tmp_path / "again" / "other.csv"
     again.parent.mkdir()
     again.write_bytes(logs[0].read_bytes())
