@@ -49,13 +49,17 @@ def range_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
 
 
 def _position_findings(runs: Sequence[Run]) -> tuple[list[Finding], dict[str, float]]:
-    """Positions that are latitude and longitude in every run, and the factors that make metres of them."""
+    """Positions that are latitude and longitude in every run that has any and does not stand still, and the
+    factors that make metres of them.
+    """
     having = [run for run in runs if {"north", "east"} <= run.columns.keys()]
-    places = [np.array([run.columns["north"], run.columns["east"]]) for run in having]
+    every = [np.array([run.columns["north"], run.columns["east"]]) for run in having]
+    known = [place[:, np.isfinite(place).all(axis=0)] for place in every]
+    places = [place for place in known if place.size and np.ptp(place, axis=1).any()]
     if not places or not all(in_degrees(north, east) for north, east in places):
         return [], {}
-    north, east = np.nanmedian(np.concatenate(places, axis=1), axis=1)
-    span = max(float(np.nanmax(np.nanmax(place, axis=1) - np.nanmin(place, axis=1))) for place in places)
+    north, east = np.median(np.concatenate(places, axis=1), axis=1)
+    span = max(float(np.ptp(place, axis=1).max()) for place in places)
     swapped = abs(north) > MOST_LATITUDE
     names = ("longitude", "latitude") if swapped else ("latitude", "longitude")
     message = f"span {span:.2g} m at most, about {north:.6g} and {east:.6g}, as latitude and longitude do"

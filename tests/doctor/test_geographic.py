@@ -26,6 +26,18 @@ def test_latitude_and_longitude_as_north_and_east_are_named_and_nothing_else(
     assert "as latitude and longitude" in found.advice
 
 
+def test_a_run_without_positions_or_at_rest_hides_the_degrees_of_no_other(
+    sound: list[Run], twin: Boat
+) -> None:
+    moving = [Run(run.name, run.columns | in_degrees(run, 44.35, 9.15)) for run in sound]
+    rows = len(sound[0].time)
+    others = [
+        Run(name, moving[0].columns | {"north": np.full(rows, north), "east": np.full(rows, 9.15)})
+        for name, north in (("lost", np.nan), ("still", 44.35))
+    ]
+    assert "unit" in [one.code for one in faults([*moving, *others], twin)]
+
+
 def test_longitude_as_north_is_told_by_its_size(sound: list[Run], twin: Boat) -> None:
     places = [(run, in_degrees(run, 25.65, -100.29)) for run in sound]
     turned = [Run(run.name, run.columns | {"north": at["east"], "east": at["north"]}) for run, at in places]
