@@ -2,7 +2,7 @@
 
 from swamp_rl.boat import Boat
 
-KINDS = "azimuth", "throttle"
+COMMANDS = "azimuth", "throttle"
 """First words of the variables that are commands, in the order of a thruster's columns."""
 
 
@@ -12,8 +12,8 @@ def as_column(variable: str, boat: Boat) -> str:
     `azimuth` alone is of all thrusters. Other variables are returned as they are.
     """
     kind, _, name = variable.partition(" ")
-    if kind not in KINDS:
+    if kind not in COMMANDS:
         return variable
-    columns = [one.command_columns[KINDS.index(kind)] for one in boat.thrusters if name in ("", one.name)]
+    columns = [one.command_columns[COMMANDS.index(kind)] for one in boat.thrusters if name in ("", one.name)]
     kinds = {column.partition("_")[0] for column in columns if column is not None}
     return f"{kinds.pop()} {name}".rstrip() if len(kinds) == 1 else variable

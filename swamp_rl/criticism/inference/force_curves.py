@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.angles import within_half_turn
 from swamp_rl.boat import Boat
+from swamp_rl.criticism.data.command_names import COMMANDS
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.model.candidates import EffectInstance, Spec
 from swamp_rl.criticism.model.scales import force_scale
@@ -172,7 +173,7 @@ def _names(boat: Boat, one: ResidualForce) -> tuple[str, str, tuple[str, ...]]:
         component = "surge"
     elif one.force in kinds:
         component, owner = "thrust", (one.force.removeprefix(THRUST),)
-    if first in ("azimuth", "throttle"):
+    if first in COMMANDS:
         return component, first, (second,)
     return component, one.variable.replace(" ", "_"), owner
 
@@ -181,7 +182,7 @@ def variable_values(run_set: RunSet, variable: str) -> Array:
     """(n,) measured or commanded values of a variable; empty where it was not measured."""
     first, _, second = variable.partition(" ")
     kept = np.arange(run_set.measured.shape[1]) < run_set.lengths[:, None]
-    if first in ("azimuth", "throttle"):
+    if first in COMMANDS:
         names = run_set.boat.thruster_names
         column = names.index(second) + (len(names) if first == "throttle" else 0)
         values = run_set.commands[..., column][kept]

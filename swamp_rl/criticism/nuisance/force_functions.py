@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.angles import turned, within_half_turn
+from swamp_rl.criticism.data.command_names import COMMANDS
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian, state_jacobian
 from swamp_rl.criticism.likelihood.force_fit import fit_forces
@@ -189,7 +190,7 @@ def pairs(found: ForceLikelihood) -> list[Pair]:
         basis = functions(variable, values)
         for force, direction in found.directions.items():
             owner = force.removeprefix(THRUST)
-            general = variable.split()[0] not in ("azimuth", "throttle")
+            general = variable.split()[0] not in COMMANDS
             if owner != force and not general and variable.split(" ", 1)[1] != owner:
                 continue
             acting = (direction[..., None] * basis[..., None, :]).reshape(

@@ -2,6 +2,7 @@
 
 import html
 
+from swamp_rl.criticism.data.command_names import COMMANDS
 from swamp_rl.criticism.report.evidence import percent
 from swamp_rl.criticism.result import Diagnosis, ForceCurve
 from swamp_rl.effects.curve import COVARIATES
@@ -27,7 +28,7 @@ def curve_name(curve: ForceCurve) -> str:
 
 def variable_of(curve: ForceCurve) -> str:
     """What a force depends on, with its unit."""
-    of = f" {curve.thruster}" if curve.covariate in ("azimuth", "throttle") else ""
+    of = f" {curve.thruster}" if curve.covariate in COMMANDS else ""
     return f"{curve.covariate.replace('_', ' ')}{of} [{COVARIATES[curve.covariate]}]"
 
 
