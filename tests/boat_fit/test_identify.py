@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat import load_boat
 from swamp_rl.boat_fit import identify
 from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.diverging import implausible_fit
@@ -26,7 +26,7 @@ from swamp_rl.boat_fit.report import next_runs, not_better, summary
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.boat_numbers.numbers import COMPASS, free_numbers, without_compass
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.data.run_set import RunSet, read_run_set
+from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.errors import UserError
@@ -34,19 +34,9 @@ from swamp_rl.simulator import parameters
 from tests.support.command_line import Call
 from tests.support.command_line import call as call  # the fixture
 from tests.support.from_scratch import written
+from tests.support.hidden_boat import HIDDEN, hidden, start_runs
 from tests.support.sailing import sailed_dataset
 
-HIDDEN = """extends: twin.yaml
-name: hidden
-added_mass_sway: -10.0
-hull: {n_r: -0.11, c_d: 1.3, n_v: -0.09}
-resistance: {x_0_ahead: -0.09}
-thrusters:
-  port: {thrust_quadratic: 6.5, pump_time_constant: 0.3}
-  starboard: {thrust_quadratic: 7.0, pump_time_constant: 0.3}
-effects:
-  - {effect: throttle_dead_band, thruster: all, below: 0.1}
-"""
 WIRED = (
     HIDDEN
     + """  - {effect: channel_swap, thruster: [port, starboard]}
@@ -55,19 +45,6 @@ WIRED = (
 )
 SATURATED = "  - {effect: thruster_efficiency_curve, thruster: all, at_100: 0.6}\n"
 FIVE = 1  # place of the horizon of 5 s among those of the report
-
-
-def hidden(folder: Path, text: str) -> Boat:
-    """The hidden boat, and twin.yaml, the file to start from, beside it."""
-    written(folder, "twin")
-    (folder / "hidden.yaml").write_text(text)
-    return load_boat(folder / "hidden.yaml")
-
-
-def start_runs(folder: Path, text: str, **more: float) -> RunSet:
-    truth = hidden(folder, text)
-    sailed_dataset(folder / "runs", folder / "twin.yaml", truth, **more)  # type: ignore[arg-type]
-    return read_run_set(folder / "runs", load_boat(folder / "twin.yaml"))
 
 
 def by_name(fitted: list[Fitted]) -> dict[str, Fitted]:

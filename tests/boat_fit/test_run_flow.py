@@ -12,9 +12,8 @@ from swamp_rl.boat_fit.identify import errors_on, fitted_boat, numbers_of, short
 from swamp_rl.boat_fit.run_flow import RunFlow, errors_in_current, is_significant, run_flows
 from swamp_rl.boat_fit.wiring import Wiring
 from swamp_rl.boat_numbers.numbers import free_numbers
-from swamp_rl.criticism.data.run_set import RunSet, read_run_set
-from tests.support.from_scratch import written
-from tests.support.sailing import sailed_dataset
+from swamp_rl.criticism.data.run_set import RunSet
+from tests.support.hidden_boat import start_runs
 
 N_R, NORTH, EAST = -0.11, 0.06, -0.08
 FLOWING = f"effects: [{{effect: current, north: {NORTH}, east: {EAST}}}]\n"
@@ -23,12 +22,9 @@ FIVE = 1  # place of the horizon of 5 s among those of the report
 
 def sailed(folder: Path, effects: str) -> tuple[RunSet, Boat]:
     """Two runs of a hidden boat, read as runs of the start file, and this boat without its effects."""
-    written(folder, "twin")
-    hidden = f"extends: twin.yaml\nname: hidden\nhull: {{n_r: {N_R}}}\n"
-    (folder / "hidden.yaml").write_text(hidden + effects)
-    (folder / "still.yaml").write_text(hidden)
-    sailed_dataset(folder / "runs", folder / "twin.yaml", load_boat(folder / "hidden.yaml"), count=2)
-    return read_run_set(folder / "runs", load_boat(folder / "twin.yaml")), load_boat(folder / "still.yaml")
+    still = f"extends: twin.yaml\nname: still\nhull: {{n_r: {N_R}}}\n"
+    (folder / "still.yaml").write_text(still)
+    return start_runs(folder, still + effects, count=2), load_boat(folder / "still.yaml")
 
 
 def fitted(runs: RunSet) -> tuple[BoatFit, list[str], list[RunFlow]]:
