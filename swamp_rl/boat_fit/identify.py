@@ -13,7 +13,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.boat_fit.boat_file import Fitted, identified_mapping
 from swamp_rl.boat_fit.diverging import diverging, implausible_fit
 from swamp_rl.boat_fit.fit import SHORT, BoatFit, long_fit, short_fit, window_length
-from swamp_rl.boat_fit.hypothesis import FreeBoat, free_boat
+from swamp_rl.boat_fit.hypothesis import WEATHER_SD, FreeBoat, free_boat
 from swamp_rl.boat_fit.pieces import Split, split
 from swamp_rl.boat_fit.recent_thrust import chosen_gains, recent_errors
 from swamp_rl.boat_fit.report import page_of
@@ -97,7 +97,11 @@ def identify_boat(
         here = advanced(data.held_out, made.wiring.advance)
         alike = without(here, others.names)
         fit = made.fit
-        currents = run_flows(fit.problem.run_set, fit.hypothesis, fit.fit.x, fit.covariance)
+        weather = {
+            of: flows
+            for of in WEATHER_SD
+            if (flows := run_flows(fit.problem.run_set, fit.hypothesis, fit.fit.x, fit.covariance, of))
+        }
         LOG.info("gains of the thrust from the recent past")
         gains, tried = chosen_gains(advanced(data.training, made.wiring.advance), made.boat)
         found = Identification(
@@ -117,8 +121,8 @@ def identify_boat(
             recent_errors(here, made.boat, gains) if gains != "none" else [],
             tried,
             made.level,
-            currents,
-            errors_in_current(alike, made.boat) if currents and len(alike.lengths) else [],
+            weather,
+            errors_in_current(alike, made.boat) if "current" in weather and len(alike.lengths) else [],
         )
         page.write_text(page_of(found), encoding="utf-8")
     return found

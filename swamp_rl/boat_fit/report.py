@@ -10,6 +10,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.boat_file import Fitted
 from swamp_rl.boat_fit.recent_thrust import RecentErrors, past_seconds
 from swamp_rl.boat_fit.result import Identification
+from swamp_rl.boat_fit.run_flow import RunFlow
 from swamp_rl.boat_fit.run_thrust import RunThrust
 from swamp_rl.boat_numbers.number import FARTHEST
 from swamp_rl.boat_numbers.numbers import COMPASS, SATURATED, free_numbers
@@ -22,6 +23,7 @@ from swamp_rl.html_page import document, prose, table, with_error
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
 HEADS = tuple(name.replace("_", " ") for name in TRIVIAL)
+DIRECTION = {"wind": "from", "current": "sets toward"}
 FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
 WIRED = (
     "The boat file has it among its effects, so pilots would drive a boat with this wiring. If only the log "
@@ -57,6 +59,7 @@ def page_of(found: Identification) -> str:
             "<h2>Residual</h2>",
             table(("channel", "noise", "residual", "unit"), residual_rows(found), numbers=(1, 2)),
             f"<p>{prose(residual_sentence(found))}</p>",
+            *weather_of_runs(found),
             "<h2>What to record next</h2>",
             "<ul>" + "".join(f"<li>{prose(line)}</li>" for line in next_runs(found)) + "</ul>",
         ),
@@ -166,9 +169,9 @@ def by_horizon(errors: Sequence[RecentErrors]) -> str:
 
 def moving_water(found: Identification) -> list[str]:
     """The currents that were fitted, in a sentence."""
-    if not found.currents:
+    if "current" not in found.weather:
         return []
-    speeds = [one.speed for one in found.currents]
+    speeds = [one.speed for one in found.weather["current"]]
     like = " whose thrust factor is that of most runs" if found.unlike.names else ""
     errors = (
         f" In the mean current of each held-out run{like}, fitted to that run itself, the position errors "
@@ -179,6 +182,30 @@ def moving_water(found: Identification) -> list[str]:
         "fitted beside the numbers. The boat file is for still water; `swamp-rl diagnose` estimates the "
         f"current of other runs.{errors if found.in_current else ''}"
     ]
+
+
+def weather_of_runs(found: Identification) -> list[str]:
+    """A table of the winds and currents of the runs fitted to; empty where neither was fitted."""
+    if not found.weather:
+        return []
+    heads = [head for of in found.weather for head in (f"{of}, m/s", "±", f"{DIRECTION[of]}, degrees")]
+    rows = [
+        (flows[0].name, *(cell for one in flows for cell in flow_cells(one)))
+        for flows in zip(*found.weather.values(), strict=True)
+    ]
+    return [
+        f"<h2>{' and '.join(found.weather).capitalize()} of the runs</h2>",
+        "<p>Mean of each run fitted to, estimated beside the numbers. ±: one standard error of the speed, "
+        "prior included. The boat file and the predictions above are without them; "
+        "<code>swamp-rl diagnose</code> estimates those of other runs.</p>",
+        table(("run", *heads), rows, numbers=range(1, 1 + len(heads))),
+    ]
+
+
+def flow_cells(flow: RunFlow) -> tuple[str, str, str]:
+    """Speed [m/s], its standard error and the direction [degrees], clockwise from north."""
+    degrees = math.degrees(math.atan2(flow.east, flow.north)) % 360.0
+    return known(flow.speed, flow.standard_error), digits(flow.standard_error, 2), f"{degrees:.0f}"
 
 
 def unlike_runs(found: Identification) -> list[str]:

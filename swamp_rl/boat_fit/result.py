@@ -28,8 +28,8 @@ class Identification:
     held-out runs without these, none where all or no held-out runs are such; gains: of the thrust, from each
     run's own recent past, that predict the training runs best; recent: errors on the held-out runs with
     them, as `after` where they are none; recent_training: errors on the training runs by choice; level: of
-    the thrust in the runs fitted to; currents: of these, fitted beside the numbers, none where none is seen;
-    in_current: as `alike`, each run in its own current.
+    the thrust in the runs fitted to; weather: `wind` and `current` of these, fitted beside the numbers, each
+    only where it is seen; in_current: as `alike`, each run in its own current.
     """
 
     start: Boat
@@ -48,7 +48,7 @@ class Identification:
     recent: list[RecentErrors] = field(default_factory=list)
     recent_training: dict[Gains, list[RecentErrors]] = field(default_factory=dict)
     level: ThrustLevel = field(default_factory=ThrustLevel)
-    currents: list[RunFlow] = field(default_factory=list)
+    weather: dict[str, list[RunFlow]] = field(default_factory=dict)
     in_current: list[RecentErrors] = field(default_factory=list)
 
     @property
