@@ -19,7 +19,11 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.nuisance.command_timing import with_unlogged_commands
-from swamp_rl.criticism.nuisance.lost_rows import possible_commands, with_relevant_gaps
+from swamp_rl.criticism.nuisance.lost_rows import (
+    possible_commands,
+    with_best_commands,
+    with_relevant_gaps,
+)
 from swamp_rl.criticism.options import using
 from swamp_rl.criticism.selection import continuation
 from swamp_rl.criticism.selection.continuation import LAST, continuation_of, with_corrected_commands
@@ -122,6 +126,26 @@ def test_a_throttle_that_jumps_in_a_lost_row_of_a_run_of_ramps_is_not_interpolat
     continuation = continuation_of(smooth, weights(smooth, noise_levels(smooth)))
     continuation.boat_file(LAST)
     assert np.array_equal(continuation.problem(LAST, Hypothesis()).run_set.commands, log)
+
+
+@pytest.mark.parametrize("held", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_commands_in_two_lost_rows_half_a_second_apart_are_both_found(held: float, seed: int) -> None:
+    """As of a lever thrown over and back: held is the share of its change that the log has in a lost row."""
+    given = np.zeros((1, 300, 8))
+    given[..., 4:] = 0.8
+    given[0, :, :2] = -1.5
+    given[0, ROW : ROW + 5, :2] = 1.5
+    sailed = driven([], given, 0.0, seed=seed)
+    gaps = Gap(0, ROW, 1), Gap(0, ROW + 5, 1)
+    log, measured = given.copy(), sailed.measured.copy()
+    for gap in gaps:
+        log[0, gap.row] = (1.0 - held) * given[0, gap.row - 1] + held * given[0, gap.row]
+        measured[0, gap.row] = np.nan
+    found = replace(sailed, commands=log, measured=measured, gaps=gaps)
+    weight = weights(found, noise_levels(found))
+    read = with_best_commands(found, weight, gaps, Hypothesis(), np.zeros(0))
+    np.testing.assert_allclose(read.commands, given, atol=1e-9)
 
 
 def test_a_part_of_the_runs_has_their_gaps_and_copies_with_other_commands_have_none() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from swamp_rl.criticism.options import options
 from swamp_rl.simulator.substeps import steps_over
 
 Array = NDArray[np.float64]
+Reading = tuple[tuple[Gap, Array], ...]  # (rows, 2K) commands in gaps of one run
 
 
 def with_relevant_gaps(run_set: RunSet, weight: Array) -> RunSet:
@@ -25,7 +27,13 @@ def with_relevant_gaps(run_set: RunSet, weight: Array) -> RunSet:
     short = [gap for gap in run_set.gaps if gap.rows <= options().longest_gap]
     if not short:
         return run_set
-    problem, _ = _windows_of_each(run_set, weight, short, ends_alone=True)
+    latest_and_earliest = [
+        ((gap, readings[place][0]),)
+        for gap in short
+        for readings in [possible_commands(run_set, gap)]
+        for place in (0, gap.rows)
+    ]
+    problem = _windows_of_each(run_set, weight, latest_and_earliest)
     states = np.repeat(problem.initial_states()[::2], 2, axis=0)
     tracks = problem.predict(Hypothesis(), np.zeros((1, 0)), states[None])[0]
     apart = problem.part(np.arange(len(tracks)) % 2 == 0).standardised(tracks[1::2] - tracks[::2])
@@ -45,17 +53,35 @@ def with_best_commands(
     short = [gap for gap in short if changes_in(run_set, gap)]
     if not short:
         return run_set if kept == run_set.gaps else replace(run_set, gaps=kept)
-    commands = run_set.commands.copy()
-    problem, group = _windows_of_each(run_set, weight, short)
+    readings, needed, ends = list[Reading](), list[float](), [0]
+    for group in _in_one_window(run_set, short):
+        for one in product(*(possible_commands(run_set, gap) for gap in group)):
+            readings.append(tuple((gap, given) for gap, (given, _) in zip(group, one, strict=True)))
+            needed.append(sum(gain for _, gain in one))
+        ends.append(len(readings))
+    problem = _windows_of_each(run_set, weight, readings)
     _, _, residual = fit_states(problem, hypothesis, x, problem.initial_states(), options().gap_rounds)
-    loss = (residual**2).sum(axis=1)
-    loss += [needed for gap in short for _, needed in possible_commands(run_set, gap)]
-    for number, gap in enumerate(short):
-        mine = np.flatnonzero(group == number)
-        best = problem.run_set.commands[mine[loss[mine].argmin()]]
-        rows = slice(gap.row, gap.row + gap.rows)
-        commands[gap.run, rows] = best[rows]
+    loss = (residual**2).sum(axis=1) + needed
+    commands = run_set.commands.copy()
+    for begin, end in pairwise(ends):
+        for gap, given in readings[begin + int(loss[begin:end].argmin())]:
+            commands[gap.run, gap.row : gap.row + gap.rows] = given
     return replace(run_set, commands=commands, gaps=kept, filled=tuple(short))
+
+
+def _in_one_window(run_set: RunSet, gaps: Sequence[Gap]) -> list[tuple[Gap, ...]]:
+    """The gaps, two of them together where the window of one holds the other: apart, each would make up for
+    what the other one has wrong.
+    """
+    found = list[tuple[Gap, ...]]()
+    around = steps_over(options().around_gap, run_set.dt)
+    for gap in sorted(gaps, key=lambda one: (one.run, one.row)):
+        last = found[-1] if found else ()
+        if len(last) == 1 and last[0].run == gap.run and gap.row - last[0].row <= around:
+            found[-1] = (*last, gap)
+        else:
+            found.append((gap,))
+    return found
 
 
 def has_instant(run_set: RunSet, gap: Gap) -> bool:
@@ -127,23 +153,19 @@ def with_commands_refined(problem: Shooting, at: Fit, every: Sequence[Gap]) -> R
     return replace(run_set, commands=commands)
 
 
-def _windows_of_each(
-    run_set: RunSet, weight: Array, gaps: Sequence[Gap], ends_alone: bool = False
-) -> tuple[Shooting, NDArray[np.int64]]:
-    """A window for each possible command in each gap, or for the ends alone, and (W,) the gap of each."""
-    rows = list[tuple[int, Array]]()
-    for number, gap in enumerate(gaps):
-        found = [reading for reading, _ in possible_commands(run_set, gap)]
-        rows += [(number, one) for one in ((found[0], found[gap.rows]) if ends_alone else found)]
-    group, own = np.array([number for number, _ in rows]), np.arange(len(rows))
-    runs, row, lost = np.array([(gap.run, gap.row, gap.rows) for gap in gaps])[group].T
+def _windows_of_each(run_set: RunSet, weight: Array, readings: Sequence[Reading]) -> Shooting:
+    """A window for each reading, about its gaps."""
+    own = np.arange(len(readings))
+    runs = [reading[0][0].run for reading in readings]
     commands = run_set.commands[runs]
-    for given, start, count, (_, reading) in zip(commands, row, lost, rows, strict=True):
-        given[start : start + count] = reading
+    for given, reading in zip(commands, readings, strict=True):
+        for gap, one in reading:
+            given[gap.row : gap.row + gap.rows] = one
     around = steps_over(options().around_gap, run_set.dt)
-    first = np.maximum(0, row - around)
-    several = run_set.copies(runs.tolist(), commands)
-    steps = np.minimum(run_set.lengths[runs] - 1, row + lost + around) - first
+    first = np.maximum(0, [reading[0][0].row - around for reading in readings])
+    end = np.array([reading[-1][0].row + reading[-1][0].rows + around for reading in readings])
+    several = run_set.copies(runs, commands)
+    steps = np.minimum(run_set.lengths[runs] - 1, end) - first
     measured, seen = window_data(several, weight[runs], own, first, steps, 0)
     windows = Windows(own, first, steps, measured, seen, 0, int(steps.max()) + 1)
-    return Shooting(several, weight[runs], options().around_gap, windows), group
+    return Shooting(several, weight[runs], options().around_gap, windows)
