@@ -11,6 +11,7 @@ from pathlib import Path
 from benchmarks.boat_fit.arguments import source_and_out
 from benchmarks.boat_fit.tables import doctor_lines, error_table, findings, number_table
 from benchmarks.markers import DOCS, write_parts
+from swamp_rl.boat import load_boat
 from swamp_rl.boat.estimate import annotated, boat_file
 from swamp_rl.boat_fit.identify import identify_boat
 from swamp_rl.criticism.diagnose import diagnose
@@ -55,7 +56,7 @@ def main() -> None:
     found = identify_boat(runs, boat, file)
     earlier = imported(source, boat, out / "earlier", SIDES[::-1], found.wiring.advance)
     left = diagnose(earlier, file, out / "diagnosis")
-    lines = [f"verdict `{left.verdict}`", extension_sentence(left), *left.next_steps]
+    lines = [f"verdict `{left.verdict}`", extension_sentence(left, load_boat(file)), *left.next_steps]
     parts = {
         "doctor": doctor,
         "findings": findings(found),

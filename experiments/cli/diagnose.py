@@ -128,6 +128,7 @@ def _diagnose_runs(
     began = time.perf_counter()
     from swamp_rl.experiments.cli.progress import progress
 
+    from swamp_rl.boat import load_boat
     from swamp_rl.criticism.diagnose import diagnose as examine
     from swamp_rl.criticism.inference.self_trial import TWINS, Method
     from swamp_rl.criticism.progress import LOG
@@ -138,14 +139,14 @@ def _diagnose_runs(
     each = partial(answers, workers=workers)
     with progress(LOG):
         found = examine(dataset, boat, out, holdout, 0, ignore, twins, method, each, limits)
-    for line in _lines_of(found, limits is not None):
+    for line in _lines_of(found, load_boat(boat), limits is not None):
         typer.echo(line)
     typer.echo(
         f"{out}: diagnosis.json, extended_boat.yaml, report.html ({time.perf_counter() - began:.0f} s)"
     )
 
 
-def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
+def _lines_of(found: "Diagnosis", boat: "Boat", trial_asked: bool) -> Iterator[str]:
     """The lines that the terminal prints of a diagnosis of runs."""
     from swamp_rl.criticism.report.evidence import (
         carry_over_sentence,
@@ -194,7 +195,7 @@ def _lines_of(found: "Diagnosis", trial_asked: bool) -> Iterator[str]:
             f"  unexplained: {left.force}, a function of {left.variable} "
             f"({left.explained:.0%} of its variance on held-out runs)"
         )
-    if sentence := extension_sentence(found):
+    if sentence := extension_sentence(found, boat):
         yield f"  {sentence}"
     for gain in found.gain:
         if gain.horizon_s == 10.0 and gain.position_rmse_m:

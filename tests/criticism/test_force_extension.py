@@ -29,8 +29,8 @@ from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.model.extended_boat import write_extended
-from swamp_rl.criticism.report.extension import extension_section, extension_sentence
-from swamp_rl.criticism.result import CurvePoint, Diagnosis, ResidualForce, Share
+from swamp_rl.criticism.report.extension import curve_name, extension_section, extension_sentence
+from swamp_rl.criticism.result import CurvePoint, Diagnosis, ForceCurve, ResidualForce, Share
 from swamp_rl.physics.force_curve import KNOTS
 from swamp_rl.simulator import parameters
 from tests.support.unmodelled_forces import BRAKE, DROGUE, sailed
@@ -218,12 +218,26 @@ def test_the_report_says_what_was_written_and_what_was_not(brake: ForceExtension
     empty = ("causes", "indistinguishable", "contrasts", "leftover", "candidates", "unseen", "gain")
     given: dict[str, Any] = {name: [] for name in empty} | {"separating_trial": None, "noise": {}}
     found = Diagnosis(verdict="unexplained", **given, adequacy={}, elapsed_s=1.0, extension=brake.result)
-    message = extension_sentence(found)
+    message = extension_sentence(found, BOAT)
     assert "extended_boat.yaml has the missing force (square)" in message
     assert "surge force as a function of surge [m/s]" in message
-    assert "a |x| x" in extension_section(found)
+    assert "a |x| x" in extension_section(found, BOAT)
     kept = brake.result.model_copy(update={"written": False})
-    assert "is not written" in extension_sentence(found.model_copy(update={"extension": kept}))
+    assert "is not written" in extension_sentence(found.model_copy(update={"extension": kept}), BOAT)
+
+
+def test_the_report_calls_a_rudder_what_its_column_is_called() -> None:
+    curve = ForceCurve(
+        component="yaw",
+        covariate="azimuth",
+        thruster="main",
+        knots=[-0.5, 0.5],
+        values=[-1.0, 1.0],
+        standard_errors=[0.1, 0.1],
+        units=["N m"],
+    )
+    assert curve_name(curve, load_boat("esso_osaka")) == "yaw moment as a function of rudder main [rad]"
+    assert curve_name(curve, BOAT) == "yaw moment as a function of azimuth main [rad]"
 
 
 @pytest.mark.slow

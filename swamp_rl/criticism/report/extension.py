@@ -2,7 +2,8 @@
 
 import html
 
-from swamp_rl.criticism.data.command_names import COMMANDS
+from swamp_rl.boat import Boat
+from swamp_rl.criticism.data.command_names import COMMANDS, as_column
 from swamp_rl.criticism.report.evidence import percent
 from swamp_rl.criticism.result import Diagnosis, ForceCurve
 from swamp_rl.effects.curve import COVARIATES
@@ -18,26 +19,26 @@ FORMULAS = {
 }
 
 
-def curve_name(curve: ForceCurve) -> str:
+def curve_name(curve: ForceCurve, boat: Boat) -> str:
     """`north force as a function of position north [m]`."""
     force = f"thrust of {curve.thruster}" if curve.component == "thrust" else f"{curve.component} force"
     if curve.component == "yaw":
         force = "yaw moment"
-    return f"{force} as a function of {variable_of(curve)}"
+    return f"{force} as a function of {variable_of(curve, boat)}"
 
 
-def variable_of(curve: ForceCurve) -> str:
-    """What a force depends on, with its unit."""
+def variable_of(curve: ForceCurve, boat: Boat) -> str:
+    """What a force depends on, with its unit; commands as `as_column` names them."""
     of = f" {curve.thruster}" if curve.covariate in COMMANDS else ""
-    return f"{curve.covariate.replace('_', ' ')}{of} [{COVARIATES[curve.covariate]}]"
+    return f"{as_column(curve.covariate + of, boat).replace('_', ' ')} [{COVARIATES[curve.covariate]}]"
 
 
-def extension_sentence(found: Diagnosis) -> str:
+def extension_sentence(found: Diagnosis, boat: Boat) -> str:
     """What of the missing force is in extended_boat.yaml, or why it is not; empty where there is none."""
     extension = found.extension
     if extension is None:
         return ""
-    names = " and ".join(curve_name(curve) for curve in extension.curves)
+    names = " and ".join(curve_name(curve, boat) for curve in extension.curves)
     if not extension.written:
         return (
             f"The missing force is {names}, but its reduction of the prediction error on held-out runs is "
@@ -55,13 +56,13 @@ def extension_sentence(found: Diagnosis) -> str:
     )
 
 
-def extension_section(found: Diagnosis) -> str:
+def extension_section(found: Diagnosis, boat: Boat) -> str:
     """The missing force as a table of its values; empty where there is none."""
     if found.extension is None:
         return ""
-    parts = [f"<h2>The missing force as an effect</h2><p>{html.escape(extension_sentence(found))}</p>"]
+    parts = [f"<h2>The missing force as an effect</h2><p>{html.escape(extension_sentence(found, boat))}</p>"]
     for curve in found.extension.curves:
-        name = html.escape(curve_name(curve))
+        name = html.escape(curve_name(curve, boat))
         units = curve.units if curve.formula else curve.units * len(curve.values)
         if curve.formula:
             ends = " to ".join(minus(rounded(end)) for end in curve.knots)
@@ -71,7 +72,7 @@ def extension_section(found: Diagnosis) -> str:
         else:
             parts.append(f"<p>{name}</p>")
             labels = [minus(rounded(knot)) for knot in curve.knots]
-            heads = (variable_of(curve), "force", "standard error", "unit")
+            heads = (variable_of(curve, boat), "force", "standard error", "unit")
         every = zip(labels, curve.values, curve.standard_errors, units, strict=True)
         rows = [(label, minus(rounded(value)), rounded(error), unit) for label, value, error, unit in every]
         parts.append(table(heads, rows, numbers=(1, 2)))

@@ -74,7 +74,7 @@ def page(found: Diagnosis, run_set: RunSet, images: Mapping[str, str], data: str
         next_trial_section(found, images),
         self_trial_section(found),
         residual_section(found, images),
-        extension_section(found),
+        extension_section(found, run_set.boat),
         gain_section(found),
         limits_section(found, run_set),
         details(found, run_set),
