@@ -1,5 +1,7 @@
 """Fits to short windows begin those to longer ones, and none is worse than what it contains."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -24,6 +26,20 @@ def test_a_fit_that_is_worse_than_the_boat_file_begins_again_at_its_neutral_valu
         nothing = continuation.boat_file(MIDDLE)
         made = continuation.fit(MIDDLE, hypothesis, np.array(far))
     assert made.chi2 < nothing.chi2 + 50.0
+
+
+@pytest.mark.parametrize(("thruster", "time"), [("sp", 12.3), ("sp", 21.6), ("bs", 21.6)])
+@pytest.mark.parametrize("away", [-4.0, -2.5, 2.5, 4.0])
+def test_the_instant_of_a_failure_is_found_from_seconds_away(thruster: str, time: float, away: float) -> None:
+    """From a plain receiver, without velocities."""
+    failed = {"effect": "thruster_failure", "thruster": thruster, "time": time}
+    runs, rng = simulated_runs([failed], velocities=False), np.random.default_rng(0)
+    noise = rng.standard_normal(runs.measured.shape) * [0.5, 0.5, 0.015, 0.0, 0.0, 0.0]
+    runs = replace(runs, measured=runs.measured + noise)
+    hypothesis = Hypothesis((by_label(candidates(runs.boat, SECONDS))[f"thruster_failure {thruster}"],))
+    continuation = continuation_of(runs, weights(runs, noise_levels(runs)))
+    made = continuation.fit(0, hypothesis, np.array([time + away]))
+    assert made.x[0] == pytest.approx(time, abs=0.15)
 
 
 def test_a_search_tries_single_effects_however_much_the_boat_file_took_unless_it_is_to_try_none() -> None:

@@ -21,6 +21,7 @@ from swamp_rl.criticism.nuisance.lost_rows import (
 )
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
+from swamp_rl.criticism.selection.best_instant import best_instant
 from swamp_rl.criticism.selection.information_criterion import InformationCriterion, information_criterion
 from swamp_rl.criticism.selection.score_test import neutral_start
 
@@ -74,7 +75,20 @@ class Continuation:
         good = below is not None and below.chi2 < options().noise_chi2 * self.problems[stage - 1].samples
         steps = options().steps_when_close if good else options().stage_steps[stage]
         made = self.fit_from(stage, hypothesis, x, states, steps, stage >= LAST)
+        if stage == 0:
+            made = self._at_best_instants(made, steps)
         return self._no_worse_than_nothing(stage, made, steps)
+
+    def _at_best_instants(self, made: Fit, steps: int) -> Fit:
+        """The fit to the shortest windows, or one from better instants of the failures in it."""
+        for instance in made.hypothesis.instances:
+            if instance.effect.begin == "changepoint":
+                (index,) = np.flatnonzero(made.hypothesis.columns(instance.label))
+                x = made.x.copy()
+                x[index] = best_instant(self.problems[0], made, int(index), self.initial_states[0])
+                if x[index] != made.x[index]:
+                    made = self.refitted(0, made, x, made.states, steps, fresh=True)
+        return made
 
     def _no_worse_than_nothing(self, stage: int, made: Fit, steps: int) -> Fit:
         """The fit, or one from the neutral values of its effects where the boat file fits these windows
