@@ -10,6 +10,7 @@ from swamp_rl.doctor.commands import command_findings, other_boat_findings, smal
 from swamp_rl.doctor.filtered import filter_findings
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.finite import finite_runs
+from swamp_rl.doctor.heading_seam import seam_findings
 from swamp_rl.doctor.jumps import jump_findings
 from swamp_rl.doctor.kinematics import kinematic_findings
 from swamp_rl.doctor.ranges import range_findings
@@ -37,8 +38,9 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     """What is odd about runs, faults first.
 
     boat: whose thrusters the commands are of; without it sides are taken from the names of columns. measured:
-    whether channels without noise are odd. Runs are divided where their positions jump. A column that another
-    check has shown to be in another unit is brought into ours, in memory, before those that rest on it.
+    whether channels without noise are odd. Runs are divided where their positions jump and where the heading
+    was interpolated across its seam. A column that another check has shown to be in another unit is brought
+    into ours, in memory, before those that rest on it.
     """
     found = missing_findings(runs) + (twice_findings(runs) if measured else [])
     without, runs = finite_runs(runs)
@@ -46,7 +48,8 @@ def examine(runs: Sequence[Run], boat: Boat | None = None, measured: bool = True
     jumps, runs = jump_findings(runs)
     found += jumps
     ranges, runs = range_findings(runs)
-    found += ranges + stuck_findings(runs, measured) + command_findings(runs)
+    seams, runs = seam_findings(runs)
+    found += ranges + seams + stuck_findings(runs, measured) + command_findings(runs)
     found += [] if boat is None else other_boat_findings(runs, boat) + small_findings(runs, boat)
     even = [run for run in runs if _even(run)]
     moved = [(run, motion_of(run)) for run in even]

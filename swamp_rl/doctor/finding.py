@@ -23,7 +23,8 @@ class Finding:
     figures: dict[str, float] = field(default_factory=dict)
 
     def __str__(self) -> str:
-        where = f"{', '.join(self.columns)}" + (f" ({', '.join(self.runs[:6])})" if self.runs else "")
+        runs = list(dict.fromkeys(self.runs))[:6]  # parts of a run have its name
+        where = f"{', '.join(self.columns)}" + (f" ({', '.join(runs)})" if runs else "")
         return f"{self.level}: {self.code}: {where}: {self.message}; {self.advice}"
 
     def as_json(self) -> dict[str, Any]:

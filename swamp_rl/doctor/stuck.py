@@ -20,6 +20,11 @@ MOVED = 0.25
 boat may have been at rest."""
 SELDOM = 3.0
 """Median rows between two changes of a channel, from which it is sampled more slowly than the rows."""
+FEWEST_HELD, FEWEST_LEVELS, OFF_GRID = 3, 4, 0.1
+"""Rows of a value that is the sensor's own and not interpolated; how many of these show its last digit, and
+how far they lie from multiples of it at most, relative to it."""
+QUIET = 3.0
+"""Digits by which a channel moves at most next to its stay at a value: its motion is steady."""
 PARTNERS = {"heading": ("yaw_rate",), "yaw_rate": ("heading",), "sway": ("yaw_rate", "heading")}
 """Channels that move where that channel must; on a straight course without noise all three stand still."""
 MEASURED = ("north", "east", "heading", "surge", "sway", "yaw_rate", "latitude", "longitude", "wind_speed")
@@ -34,12 +39,18 @@ def stuck_findings(runs: Sequence[Run], measured: bool = True) -> list[Finding]:
     """
     places: dict[str, list[tuple[str, float, float]]] = {}
     repeated: dict[str, float] = {}
+    channels: dict[str, list[Array]] = {}
+    for run in runs:
+        for name in run.columns:
+            if _measured(name, run):
+                channels.setdefault(name, []).append(run.columns[name])
+    digits = {name: _digit(values) for name, values in channels.items()}
     for run in runs:
         names = [name for name in run.columns if _measured(name, run)]
         for name in names:
             partners = [other for other in PARTNERS.get(name, ()) if other in names]
             others = [run.columns[other] for other in partners or names if other != name]
-            stay = _stay(run.columns[name], others)
+            stay = _stay(run.columns[name], others, digits[name])
             if stay and run.columns[name][stay[0]] != CALM.get(name):
                 first, last = stay
                 places.setdefault(name, []).append((run.name, run.time[first], run.time[last]))
@@ -71,10 +82,15 @@ def _measured(name: str, run: Run) -> bool:
     return known and not is_command(name) and bool(np.isfinite(values).all()) and len(values) > FEWEST_ROWS
 
 
-def _stay(values: Array, others: Sequence[Array]) -> tuple[int, int] | None:
-    """First and last row of the longest stay at one value, where it is no ordinary one and others moved."""
+def _stay(values: Array, others: Sequence[Array], digit: float) -> tuple[int, int] | None:
+    """First and last row of the longest stay at one value, where it is no ordinary one and others moved.
+
+    digit: the channel's last digit, 0 where it has none."""
     starts, lengths = holds(values)
-    longest = int(np.argmax(lengths))
+    ordinary = [_is_quiet(values, start, rows, digit) for start, rows in zip(starts, lengths, strict=True)]
+    longest = int(np.argmax(np.where(ordinary, 0, lengths)))
+    if ordinary[longest]:
+        return None
     rows = int(lengths[longest])
     rest = np.delete(lengths, longest)
     usual = max(float(np.quantile(rest, 0.9)) if len(rest) else 0.0, usual_slope(values))
@@ -87,6 +103,28 @@ def _stay(values: Array, others: Sequence[Array]) -> tuple[int, int] | None:
     if not moved or sorted(moved)[len(moved) // 2] < MOVED:
         return None
     return first, last
+
+
+def _digit(channels: Sequence[Array]) -> float:
+    """The last digit of a sensor by the values that it held, 0 where these show none."""
+    held = [values[starts[rows >= FEWEST_HELD]] for values in channels for starts, rows in [holds(values)]]
+    known = np.unique(np.concatenate(held))
+    gaps = np.diff(known)
+    gaps = gaps[gaps > 1e-9 * (known[-1] - known[0])] if len(known) else gaps
+    if len(gaps) < FEWEST_LEVELS - 1:
+        return 0.0
+    digit = float(gaps.min())
+    multiples = (known - known[0]) / digit
+    return digit if np.abs(multiples - np.round(multiples)).max() < OFF_GRID else 0.0
+
+
+def _is_quiet(values: Array, start: int, rows: int, digit: float) -> bool:
+    """Whether the channel moves by a few digits only after its stay from row `start` on, or before one that
+    lasts to the end, in a third as many rows: a sensor that froze goes on where the boat has moved to."""
+    near = max(FEWEST_HELD, rows // 3)
+    end = start + rows
+    about = values[end : end + near] if end < len(values) else values[max(0, start - near) : start]
+    return len(about) > 0 and bool(np.abs(about - values[start]).max() <= (QUIET + OFF_GRID) * digit)
 
 
 def _share(values: Array, first: int, last: int) -> float:

@@ -366,3 +366,19 @@ def test_one_constant_command_is_reported_in_the_singular_and_a_lever_that_rests
     (found,) = [one for one in examine(runs, twin) if one.code == "command_constant"]
     assert found.columns == ("throttle_port",)
     assert (found.message, found.advice.split()[0]) == ("never varies", "its")
+
+
+def test_a_steady_channel_of_few_digits_is_not_stuck_and_a_frozen_one_is(
+    sound: list[Run], twin: Boat
+) -> None:
+    time = np.arange(601)
+    turn = np.where(time < 300, 0.3 * np.sin(0.05 * time), 0.0)
+    slow = 0.2 + turn + 0.012 * np.sin(np.maximum(time - 300, 0) / 30.0)
+
+    def logged(sway: np.ndarray) -> list[Run]:
+        return [Run(run.name, run.columns | {"sway": sway}) for run in sound]
+
+    assert "stuck" not in [one.code for one in examine(logged(np.round(slow, 2)), None)]
+    frozen = np.where((time > 100) & (time < 180), slow[100], slow)
+    (found,) = [one for one in examine(logged(np.round(frozen, 2)), None) if one.code == "stuck"]
+    assert found.columns == ("sway",) and "to 17.9 s" in found.message
