@@ -151,3 +151,14 @@ def test_a_full_circle_under_a_rudder_that_wanders_is_one() -> None:
     assert result.figures["steady_diameter"].value == pytest.approx(2.0 * 0.8 / 0.1, rel=0.05)
     with pytest.raises(UserError, match="no turning circle or zig-zag found"):
         analyse_run(wandering(0.7), BOAT)
+
+
+def test_a_run_of_several_turning_circles_says_so() -> None:
+    order = np.repeat([0.0, 1.0, 0.0, -1.0, 0.0], [50, 400, 200, 300, 50])
+    run = turning(0.2 * order)
+    for name in [name for name in run.columns if name.startswith("azimuth_")]:
+        run.columns[name] = run.columns[name] * order
+    (note,) = [one for one in analyse_run(run, BOAT).notes if "turning circles" in one]
+    assert note.startswith("the run holds 2 turning circles") and "runs import --map keep" in note
+    single = turning(np.full(600, 0.2))
+    assert not [one for one in analyse_run(single, BOAT).notes if "turning circles" in one]

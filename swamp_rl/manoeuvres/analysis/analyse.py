@@ -41,6 +41,11 @@ def analyse_run(run: Run, boat: Boat, seed: int = 0) -> Result:
     found = recognised(run.meta, motion, run.name)
     notes = [str(note) for note in listed(run.meta, "notes", run.name)]
     result = Result(run.name, found.kind, dict(found.setting), notes=notes)
+    if found.others:
+        result.notes.append(
+            f"the run holds {found.others + 1} turning circles, and the figures are those of the one that "
+            "turns most; make a run of each manoeuvre, by runs import --map keep=..."
+        )
     analysis, phase = ANALYSES[found.kind]
     rng = np.random.default_rng(seed)
     if not found.of(phase):

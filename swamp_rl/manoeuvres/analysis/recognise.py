@@ -1,7 +1,7 @@
 """Which manoeuvre a run holds and where its phases begin: from its metadata or from its commands."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, get_args
 
@@ -20,17 +20,20 @@ HELD = 0.5  # s that an order is held at least
 EXECUTES = 3  # of the steering, to either side in turn, that make a zig-zag
 RAMP_SPAN, RAMP_SHARE = 0.25, 0.2  # s over which steering moves by that share of its fastest, in a ramp
 TURNED = math.pi / 2  # of heading that makes a turning circle
+APART = 0.2  # of a turning circle's duration, by which another one begins later or ends earlier
 AT_LEAST = 0.5  # of the most held angle, in a full circle whose steering is not held
 LARGEST = {"angle": math.tau, "heading": math.tau, "throttle": 1.0}  # numbers of a setting [rad, rad, 1]
 
 
 @dataclass(frozen=True)
 class Recognised:
-    """A manoeuvre in a run: its kind, what is known of its setting, and its marks in order of time."""
+    """A manoeuvre in a run: its kind, what is known of its setting, and its marks in order of time; others:
+    how many more turning circles the run holds."""
 
     kind: Kind
     setting: dict[str, Any]
     marks: list[Mark]
+    others: int = 0
 
     def of(self, phase: str) -> list[Mark]:
         """The marks that begin a phase of that name."""
@@ -63,7 +66,7 @@ def recognised(meta: RunMeta, motion: Motion, name: str) -> Recognised:
         raise UserError(
             f"run {name}: {what} found in its commands; give manoeuvre and marks for it in dataset.yaml"
         )
-    return Recognised(found.kind, found.setting | setting, found.marks)
+    return replace(found, setting=found.setting | setting)
 
 
 def _setting(meta: RunMeta, name: str) -> dict[str, Any]:
@@ -202,7 +205,8 @@ def _as_zig_zag(motion: Motion, orders: list[tuple[int, int]]) -> Recognised | N
 
 
 def _as_circle(motion: Motion, held: list[tuple[int, int]], least: float = TURNED) -> Recognised | None:
-    first, last = max(held, key=lambda rows: abs(motion.heading[rows[1] - 1] - motion.heading[rows[0]]))
+    ways = [abs(motion.heading[b - 1] - motion.heading[a]) for a, b in held]
+    first, last = held[int(np.argmax(ways))]
     turned = np.abs(motion.heading[first:last] - motion.heading[first])
     if turned.max() < least:
         return None
@@ -212,4 +216,10 @@ def _as_circle(motion: Motion, held: list[tuple[int, int]], least: float = TURNE
         row = first + int(np.argmax(turned >= 2.0 * math.pi * number))
         marks.append(Mark(float(motion.time[row]), "turning", number + 1, angle))
     marks.append(Mark(float(motion.time[last - 1]), GAVE_UP if len(marks) == 1 else DONE, 0, 0.0))
-    return Recognised("turning-circle", {"kind": "turning-circle", "angle": angle}, marks)
+    apart = APART * (last - first)  # rows; a circle under steering that wanders is several stretches
+    others = [
+        b <= first - apart or a >= last + apart
+        for (a, b), way in zip(held, ways, strict=True)
+        if way >= TURNED
+    ]
+    return Recognised("turning-circle", {"kind": "turning-circle", "angle": angle}, marks, sum(others))
