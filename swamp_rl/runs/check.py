@@ -26,6 +26,8 @@ MOST_REPEATED = 0.5
 """Of the steps of time: where more are 0, the clock is coarser than the rows."""
 BARELY_BEYOND = 1.1
 """Greatest command [1] whose zero or full value is taken for a little off."""
+LEAST_PERCENT = 20.0
+"""Percent that the commands of a boat under way reach."""
 REPEATS = "repeats"
 WRAP = "wrap it into that range"
 MISSING = "is missing; add it"
@@ -171,10 +173,14 @@ def _unit_mistake(values: NDArray[np.float64], span: Span) -> str:
         return f"it looks like degrees, give it in {span.unit} (multiply by pi/180)"
     if span.unit == "rad" and span.above:
         return WRAP
-    if span.unit == "1" and 1.0 < largest <= 100.0 and largest > 2.0:
+    if span.unit == "1" and LEAST_PERCENT < largest <= 100.0:
         return "it looks like percent, divide by 100"
     if span.unit == "1" and 1.0 < largest <= BARELY_BEYOND:
         return "a little beyond its range, clip it, as in clip((pwm - 1510) / 400, -1, 1)"
+    if span.unit == "1" and largest > 1.0:
+        return (
+            f"it reaches {largest:.4g}; divide it by its value at full throttle, such as the most revolutions"
+        )
     if span.unit == "1" and span.low == 0.0 and values.min() < 0.0 and largest <= 1.0:
         return "if the thruster reverses, give it astern_linear and astern_quadratic in the boat file"
     if span.unit in ("m", "m/s"):

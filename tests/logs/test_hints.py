@@ -97,3 +97,18 @@ def test_a_unit_is_kept_with_the_run_and_a_wrong_one_is_reported_by_the_right_on
     (finding,) = [finding for finding in examine([run]) if finding.code == "unit"]
     assert "is 1.85 times the speed" in str(finding) and "as km/h are that were taken for kn" in str(finding)
     assert "--unit surge=km/h" in str(finding)
+
+
+@pytest.mark.parametrize(("most", "percent"), [(205.0, False), (2.05, False), (85.0, True)])
+def test_revolutions_as_a_throttle_are_not_taken_for_percent(
+    tmp_path: Path, boat: str, most: float, percent: bool
+) -> None:
+    mapped = [*MAP[:4], f"throttle_port=port*0+{most}", "throttle_starboard=stb"]
+    with pytest.raises(UserError) as refused:
+        imported(tmp_path, boat, [], {}, mapped=mapped)
+    told = (
+        "it looks like percent"
+        if percent
+        else f"it reaches {most:g}; divide it by its value at full throttle"
+    )
+    assert told in str(refused.value)
