@@ -12,6 +12,7 @@ from swamp_rl.constants import FOOT, KNOT
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.doctor.smooth import Motion
 from swamp_rl.doctor.surge_is_speed import surge_is_speed
+from swamp_rl.doctor.surge_scale import surge_scale
 from swamp_rl.doctor.unrelated import heading_unrelated, measured_against_positions
 
 Array = NDArray[np.float64]
@@ -54,7 +55,8 @@ def kinematic_findings(
     if known:
         surge = np.concatenate([one.surge for one in known if one.surge is not None])
         moved = np.concatenate([one.velocity * np.conj(one.direction) for one in known])
-        found += _surge_against_speed(known, surge, moved.real)
+        units = _surge_against_speed(known, surge, moved.real)
+        found += units or surge_scale(known)
         found += surge_is_speed(known) if not velocity + heading else []
     signs = [finding.figures.get("sign", 1.0) for finding in turning]
     if signs and signs[0] < 0.0:

@@ -113,3 +113,15 @@ def test_the_noise_of_a_boat_at_rest_is_not_compared(sound: list[Run], twin: Boa
     alone = [Run(run.name, {n: v for n, v in run.columns.items() if n != "yaw_rate"}) for run in runs]
     for every in (runs, alone):
         assert "heading_unrelated" not in [one.code for one in examine(every, twin)]
+
+
+@pytest.mark.parametrize("scale", [0.94, 1.06])
+def test_a_surge_of_another_scale_than_the_positions_is_noted_with_the_factor(
+    scale: float, sound: list[Run], twin: Boat
+) -> None:
+    def noted(factor: float) -> list[float]:
+        runs = [Run(run.name, run.columns | {"surge": factor * run.columns["surge"]}) for run in sound]
+        return [one.figures["ratio"] for one in examine(runs, twin) if one.code == "surge_scale"]
+
+    assert noted(1.0) == []
+    assert noted(scale) == [pytest.approx(scale, abs=0.01)]
