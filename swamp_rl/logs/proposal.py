@@ -52,14 +52,14 @@ SAME = {
     "port": "left",
     "starboard": "right stbd stb",
     "throttle": "motor thrust thruster",
-    "azimuth": "steering",
+    "azimuth": "steering azi azim",
 }
 """Other words for a word."""
 PERCENT = "percent"
 SOURCES = "ahrs baro data ekf est estimated fix fused gnss gps imu ins meas measured nav original raw ros usv"
 """Words for where a quantity is from, which are left out."""
 NAMES = {
-    "time": "time, t, ts, utc, datetime, date time, utc time",
+    "time": "time, t, ts, tvec, utc, datetime, date time, utc time",
     "latitude": "lat, position lat",
     "longitude": "lon, position lon",
     "north": "north, position north",
@@ -74,6 +74,8 @@ NAMES = {
     "yaw_rate": "yaw rate, yawrate, rate z, gyro z, gz, wz, turn rate",
 }
 """Words of names by the quantities of a mapping, without units and sources."""
+BESIDE_SURGE = "v", "r"
+"""Names of columns that are the sway and the yaw rate beside a column `u`, and may be anything without."""
 POSITIONS = ("latitude", "longitude"), ("north", "east"), ("x", "y")
 REQUIRED_POSITION = POSITIONS[1]  # of the run format
 VELOCITY = "velocity_north", "velocity_east"
@@ -161,10 +163,25 @@ def _suggested(log: Log, boat: Boat) -> dict[str, Suggestion]:
             found |= _times(fitting)
         elif fitting:
             found[name] = fitting[0]
-    found = _with_places(found, values)
+    found = _with_places(found, values) | _beside_surge(found, there)
     kept = {*_position(found), *(VELOCITY if found.keys() >= set(VELOCITY) else ())}
     left_out = {name for pair in (*POSITIONS, VELOCITY) for name in pair} - kept
     return {name: one for name, one in found.items() if name not in left_out} | _commands(there, boat)
+
+
+def _beside_surge(
+    found: Mapping[str, Suggestion], there: Iterable[tuple[Suggestion, frozenset[str]]]
+) -> dict[str, Suggestion]:
+    """The columns of BESIDE_SURGE, where the surge is `u`; a yaw rate is in deg/s beside a heading in deg."""
+    if "u" not in found or found["u"].column.rpartition(".")[2] != "u":
+        return {}
+    named = {one.column.rpartition(".")[2]: one for one, _ in there}
+    beside = {name: named[name] for name in BESIDE_SURGE if name in named and name not in found}
+    if "r" in beside and "yaw_rate" in found:
+        del beside["r"]
+    if "r" in beside and "heading" in found and found["heading"].unit == "deg":
+        beside["r"] = replace(beside["r"], unit="deg/s")
+    return beside
 
 
 def _with_places(found: dict[str, Suggestion], values: Mapping[str, Array]) -> dict[str, Suggestion]:

@@ -17,6 +17,7 @@ from swamp_rl.runs.table import Table
 from tests.support.binary_logs import bag
 from tests.support.from_scratch import written
 from tests.support.logs import csv_of, weaving
+from tests.support.new_boats import file_of
 
 Call = Callable[..., str]
 
@@ -247,3 +248,25 @@ def test_coordinates_in_tables_of_other_lengths_are_compared_by_their_sizes() ->
     tables = {name: LogTable(name, Table(one, np.arange(3))) for name, one in values.items()}
     found, _ = suggested("esso_osaka", Log("day", "day", tables))
     assert (found["latitude"], found["longitude"]) == ("a.x", "b.y")
+
+
+@pytest.mark.parametrize(
+    ("columns", "found"),
+    [
+        (["u", "v", "r", "psi"], {"u": "u", "v": "v", "r": "r [deg/s]"}),
+        (["v", "r", "psi"], {}),
+        (["surge", "v", "r", "psi"], {"u": "surge"}),
+        (["u", "r", "yaw_rate", "psi"], {"u": "u", "yaw_rate": "yaw_rate"}),
+    ],
+)
+def test_v_and_r_are_the_sway_and_the_yaw_rate_beside_u(columns: list[str], found: dict[str, str]) -> None:
+    rows = np.arange(1, 4)
+    values = {name: np.array([90.0, 180.0, 270.0]) for name in columns}
+    log = Log("day.csv", "day", {"day": LogTable("day", Table(values, rows))})
+    options, _ = suggested("swamp", log)
+    assert {name: told for name, told in options.items() if name != "heading"} == found
+
+
+def test_a_time_vector_and_a_short_azimuth_are_suggested(tmp_path: Path) -> None:
+    options, _ = suggested(str(file_of(tmp_path, "outboard")), log_of(day=["tvec", "Azi"]))
+    assert options == {"time": "tvec", "azimuth_outboard": "Azi"}
