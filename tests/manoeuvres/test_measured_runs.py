@@ -11,6 +11,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.analysis.analyse import analyse_run
 from swamp_rl.manoeuvres.analysis.motion import motion_of
 from swamp_rl.manoeuvres.analysis.pairs import pairs
+from swamp_rl.manoeuvres.analysis.recognise import recognised
 from swamp_rl.manoeuvres.spiral import spiral_angles
 from swamp_rl.runs import Run, RunMeta
 
@@ -162,3 +163,17 @@ def test_a_run_of_several_turning_circles_says_so() -> None:
     assert note.startswith("the run holds 2 turning circles") and "runs import --map keep" in note
     single = turning(np.full(600, 0.2))
     assert not [one for one in analyse_run(single, BOAT).notes if "turning circles" in one]
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_touch_of_steering_before_a_zig_zag_is_no_execute_of_it(side: float) -> None:
+    shares = [0.0, 0.7 * side, 0.0, 1.0, -1.0, 1.0, -1.0, 0.0]
+    order = math.radians(5.0) * np.repeat(shares, [50, 20, 200, 200, 200, 200, 200, 50])
+    run = turning(0.3 * order)
+    for name in [name for name in run.columns if name.startswith("azimuth_")]:
+        run.columns[name] = np.sign(run.columns[name]) * order
+    found = recognised(run.meta, motion_of(run, BOAT), run.name)
+    assert found.kind == "zig-zag"
+    marks = [(mark.time, mark.angle) for mark in found.of("execute")]
+    assert [time for time, _ in marks] == pytest.approx([27.0, 47.0, 67.0, 87.0], abs=0.2)
+    assert [angle for _, angle in marks] == pytest.approx([0.0873, -0.0873, 0.0873, -0.0873], abs=1e-3)

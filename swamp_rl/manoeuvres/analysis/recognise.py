@@ -20,8 +20,9 @@ HELD = 0.5  # s that an order is held at least
 EXECUTES = 3  # of the steering, to either side in turn, that make a zig-zag
 RAMP_SPAN, RAMP_SHARE = 0.25, 0.2  # s over which steering moves by that share of its fastest, in a ramp
 TURNED = math.pi / 2  # of heading that makes a turning circle
+BRIEF = 0.2  # of the usual duration of an order: what is shorter before a zig-zag is no order of it
 APART = 0.2  # of a turning circle's duration, by which another one begins later or ends earlier
-AT_LEAST = 0.5  # of the most held angle, in a full circle whose steering is not held
+AT_LEAST = 0.5  # of the most held angle, where the steering is not held but stays on its side
 LARGEST = {"angle": math.tau, "heading": math.tau, "throttle": 1.0}  # numbers of a setting [rad, rad, 1]
 
 
@@ -127,7 +128,7 @@ def _found(motion: Motion, kind: Kind | None) -> Recognised | None:
     way = WAY * float(np.median(speed[held[0][0] : held[-1][1]]))
     # What is ordered before the boat has way on is no trial yet.
     held = [(a, b) for a, b in held if speed[a] >= way] or held
-    orders = _orders(held, side)
+    orders = _orders(held, side, angle, ordered)
     weaves = len(orders) >= EXECUTES and _heading_span(motion, orders) < 2.0 * TURNED
     if kind == "zig-zag" or (kind is None and weaves):
         return _as_zig_zag(motion, orders)
@@ -161,14 +162,22 @@ def _most_held(angle: Any) -> float:
     return float(np.median(sizes[(sizes >= edges[fullest]) & (sizes <= edges[fullest + 1])]))
 
 
-def _orders(held: list[tuple[int, int]], side: Any) -> list[tuple[int, int]]:
-    """Stretches of steering to one side, those to the same side that follow one another joined."""
+def _orders(held: list[tuple[int, int]], side: Any, angle: Any, ordered: float) -> list[tuple[int, int]]:
+    """Stretches of steering to either side in turn: those to the same side joined where the steering stays on
+    it between them, else the longer one; without short ones before the first, which keep the course."""
     orders: list[tuple[int, int]] = []
     for a, b in held:
-        if orders and side[orders[-1][0]] == side[a]:
-            orders[-1] = (orders[-1][0], b)
-        else:
+        if not orders or side[orders[-1][0]] != side[a]:
             orders.append((a, b))
+            continue
+        first, last = orders[-1]
+        if a <= last or np.median(angle[last:a] * side[a]) > AT_LEAST * ordered:
+            orders[-1] = (first, b)
+        elif b - a > last - first:
+            orders[-1] = (a, b)
+    usual = float(np.median([b - a for a, b in orders])) if orders else 0.0
+    while len(orders) > EXECUTES and orders[0][1] - orders[0][0] < BRIEF * usual:
+        orders.pop(0)
     return orders
 
 
