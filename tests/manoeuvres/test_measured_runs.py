@@ -177,3 +177,14 @@ def test_a_touch_of_steering_before_a_zig_zag_is_no_execute_of_it(side: float) -
     marks = [(mark.time, mark.angle) for mark in found.of("execute")]
     assert [time for time, _ in marks] == pytest.approx([27.0, 47.0, 67.0, 87.0], abs=0.2)
     assert [angle for _, angle in marks] == pytest.approx([0.0873, -0.0873, 0.0873, -0.0873], abs=1e-3)
+
+
+def test_an_order_that_is_passed_by_hand_and_taken_back_begins_where_it_is_given() -> None:
+    shares = [0.0, 1.0, -1.0, 1.0, -1.8, -1.0, 0.0]
+    order = math.radians(5.0) * np.repeat(shares, [50, 200, 200, 200, 30, 170, 50])
+    run = turning(0.3 * order)
+    for name in [name for name in run.columns if name.startswith("azimuth_")]:
+        run.columns[name] = np.sign(run.columns[name]) * order
+    found = recognised(run.meta, motion_of(run, BOAT), run.name)
+    times = [mark.time for mark in found.of("execute")]
+    assert times == pytest.approx([5.0, 25.0, 45.0, 65.0], abs=0.2)

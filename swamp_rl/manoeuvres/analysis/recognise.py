@@ -20,7 +20,9 @@ HELD = 0.5  # s that an order is held at least
 EXECUTES = 3  # of the steering, to either side in turn, that make a zig-zag
 RAMP_SPAN, RAMP_SHARE = 0.25, 0.2  # s over which steering moves by that share of its fastest, in a ramp
 TURNED = math.pi / 2  # of heading that makes a turning circle
-BRIEF = 0.2  # of the usual duration of an order: what is shorter before a zig-zag is no order of it
+BRIEF = (
+    0.2  # of the duration of an order: what is shorter before a zig-zag is none; it is passed for no longer
+)
 APART = 0.2  # of a turning circle's duration, by which another one begins later or ends earlier
 AT_LEAST = 0.5  # of the most held angle, where the steering is not held but stays on its side
 LARGEST = {"angle": math.tau, "heading": math.tau, "throttle": 1.0}  # numbers of a setting [rad, rad, 1]
@@ -119,7 +121,7 @@ def _found(motion: Motion, kind: Kind | None) -> Recognised | None:
         return None
     ordered = _most_held(angle)
     over = np.abs(np.abs(angle) - ordered) <= max(LEAST, 0.1 * ordered)
-    side = np.where(over & (np.abs(angle) > LEAST), np.sign(angle), 0.0)
+    side = _from_beyond(np.where(over & (np.abs(angle) > LEAST), np.sign(angle), 0.0), angle, ordered)
     last = len(motion.time) - 1
     held = [(a, b) for a, b in _stretches(side) if motion.time[min(b, last)] - motion.time[a] >= HELD]
     if not held:
@@ -150,6 +152,18 @@ def _stretches(side: Any) -> list[tuple[int, int]]:
     """First row, and one beyond the last, of each stretch of steering to one side (T,), 0 for none."""
     rows = [0, *(np.flatnonzero(np.diff(side) != 0.0) + 1).tolist(), len(side)]
     return [(a, b) for a, b in pairwise(rows) if side[a] != 0.0]
+
+
+def _from_beyond(side: Any, angle: Any, ordered: float) -> Any:
+    """The sides (T,) with those of the rows just before a stretch in which the steering went beyond it: by
+    hand an order is passed and taken back."""
+    found = side.copy()
+    for a, b in _stretches(side):
+        row = a
+        while row > 0 and a - row < BRIEF * (b - a) and angle[row - 1] * side[a] > ordered:
+            row -= 1
+        found[row:a] = side[a]
+    return found
 
 
 def _most_held(angle: Any) -> float:
