@@ -27,6 +27,7 @@ NOT_RUN = {  # blocks that no test can run: servers, hours, logs of others
     "docs/ferry.md": 2,
     "docs/fleet.md": 1,
     "docs/formats.md": 1,
+    "docs/gunnerus.md": 2,
     "docs/identify_boat.md": 2,
     "docs/import.md": 4,
     "docs/kingfisher.md": 2,
