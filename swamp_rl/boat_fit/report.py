@@ -8,6 +8,7 @@ import numpy as np
 
 from swamp_rl.boat import Boat
 from swamp_rl.boat_fit.boat_file import Fitted
+from swamp_rl.boat_fit.fit import window_length
 from swamp_rl.boat_fit.recent_thrust import RecentErrors, past_seconds
 from swamp_rl.boat_fit.result import Identification
 from swamp_rl.boat_fit.run_flow import RunFlow
@@ -20,10 +21,12 @@ from swamp_rl.criticism.likelihood.prediction_error import TRIVIAL
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.digits import digits, known
 from swamp_rl.html_page import document, prose, table, with_error
+from swamp_rl.simulator.reference import reference_of
 
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
 HEADS = tuple(name.replace("_", " ") for name in TRIVIAL)
 DIRECTION = {"wind": "from", "current": "sets toward"}
+FEWEST_PASSED = 3.0  # lengths at full speed in a window, in which a ship's answer to its rudder is over
 FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
 WIRED = (
     "The boat file has it among its effects, so pilots would drive a boat with this wiring. If only the log "
@@ -74,6 +77,7 @@ def summary(found: Identification) -> list[str]:
         "the standard deviations of their priors.",
         prediction_sentence(found),
         start_sentence(found.before, found.predicted),
+        *short_windows(found.boat),
         *left_out(found.wiring.boat, found.fitted),
         *(f"Commands: {change}. {WIRED}" for change in found.wiring.changes),
     ]
@@ -91,6 +95,19 @@ def summary(found: Identification) -> list[str]:
             "`thrust_scale`)."
         )
     return [*lines, *moving_water(found), *unlike_runs(found), *far_from_start(found.fitted)]
+
+
+def short_windows(boat: Boat) -> list[str]:
+    """That the last windows are short for the boat, in a sentence; none where they are not."""
+    seconds = window_length(boat)
+    passed = seconds * reference_of(boat).speed / boat.length
+    if passed >= FEWEST_PASSED:
+        return []
+    return [
+        f"In the longest windows of the fit, {seconds:.0f} s, the boat passes {passed:.1g} lengths at full "
+        "speed, in which it hardly answers: import a ship's runs at the scale of a model, with lengths over "
+        "the scale and times over its root, by Froude's law, and identify a boat file of that scale."
+    ]
 
 
 def compass_offset(fitted: Sequence[Fitted]) -> list[str]:
