@@ -12,12 +12,14 @@ import numpy as np
 from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.boat_fit.arguments import source_and_out
-from benchmarks.boat_fit.kvlcc2 import FIGURES, WAYS
+from benchmarks.boat_fit.kvlcc2 import FIGURES, WAYS, causes_table
 from benchmarks.boat_fit.tables import doctor_lines, error_table, findings, number_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import load_boat
 from swamp_rl.boat.estimate import annotated, boat_file
 from swamp_rl.boat_fit.identify import identify_boat
+from swamp_rl.criticism.diagnose import diagnose
+from swamp_rl.criticism.report.words import residual_force_sentence
 from swamp_rl.logs.import_logs import Reading, import_logs
 from swamp_rl.logs.mapping import mapping_of
 from swamp_rl.manoeuvres.analysis.analyse import analyse_runs
@@ -148,6 +150,9 @@ def main() -> None:
         "figures": figures_table(results_of(read_dataset(runs).runs, start), found.boat.length),
     }
     write_parts(DOCS / "gunnerus.md", parts)
+    lacking = diagnose(runs, file, out / "diagnosis", twins=0)
+    causes = f"{causes_table(lacking)}\n\n{residual_force_sentence(lacking)}"
+    write_parts(DOCS / "gunnerus.md", {"causes": causes})
     print(f"identified in {found.elapsed:.0f} s", flush=True)
 
 
