@@ -32,6 +32,7 @@ NO_FIX = "is 0 with longitude 0, as receivers give it without a fix; cut these r
 
 TURN = 2.0 * math.pi + 1e-9
 TIME_OF_DAY = re.compile(r"\d\d:\d\d")
+NOT_FINITE = "is not a finite number"
 ROW_ALONE = (
     "is missing",
     "is not a time",
@@ -298,6 +299,8 @@ def _with_hint(wishes: Wishes, fault: Fault, mapped: Mapping[str, str]) -> str:
         hint += f", or leave the column out{' of the mapping' if mapped else drop}"
     elif fault.row is None or "--bad-rows" in fault.message:
         return f"{fault}{hint}"
+    elif NOT_FINITE in fault.message:
+        hint += " (--bad-rows cut or split; --bad-rows split --resample HZ --fill SECONDS interpolates)"
     elif any(words in fault.message for words in ROW_ALONE):
         hint += " (--bad-rows cut or split)"
         hint += "; --map joins columns that come in some rows only" if _is_seldom(fault, mapped) else ""

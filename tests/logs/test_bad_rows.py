@@ -210,3 +210,21 @@ def test_a_unit_that_is_wrong_in_all_logs_is_told_once(tmp_path: Path, boat: str
     columns = sorted(line.partition("column ")[2].partition(":")[0] for line in lines)
     assert columns == ["heading", "throttle_port"]
     assert all(line.startswith("one.csv and 1 other: ") for line in lines)
+
+
+def test_rows_that_an_expression_leaves_without_a_value_are_interpolated_as_the_refusal_says(
+    tmp_path: Path, boat: str
+) -> None:
+    was = weaving()
+    names = {"t": "time", "n": "north", "e": "east", "psi": "heading"}
+    log = csv_of(
+        tmp_path / "log.csv", {o: [repr(float(value)) for value in was[n]] for o, n in names.items()}
+    )
+    first, last = was["time"][[100, 103]]
+    mapping = [*ABSOLUTE[:3], f"heading=where(abs(t-{first})<0.01, 0/0, where(abs(t-{last})<0.01, 0/0, psi))"]
+    with pytest.raises(UserError, match="--bad-rows split --resample HZ --fill SECONDS interpolates"):
+        imported(log, boat, mapping, Wishes())
+    rate = 1.0 / float(np.median(np.diff(was["time"])))
+    (run,) = imported(log, boat, mapping, Wishes(bad_rows="split", resample=rate, fill=1.0))
+    assert len(run.time) == len(was["time"])
+    assert np.abs(np.unwrap(run.columns["heading"]) - np.unwrap(was["heading"])).max() < 0.05
