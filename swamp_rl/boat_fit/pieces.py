@@ -59,15 +59,15 @@ def _alone(run_set: RunSet) -> RunSet:
 def pieces(run_set: RunSet, seconds: float | None = None) -> tuple[RunSet, NDArray[np.int64]]:
     """Every run cut in pieces of about equal length, and the run that each is of.
 
-    seconds: of a piece, at least; by default PIECE, and more in runs that would be of over MOST_PIECES.
+    seconds: of a piece, at least; by default PIECE, and more in runs that would be of over MOST_PIECES. Of
+    fewer runs than FEWEST_RUNS each is cut at least so often that a piece of it is held out.
     """
     total = float(run_set.lengths.sum()) * run_set.dt
     seconds = seconds or max(PIECE, total / MOST_PIECES)
+    fewest = HELD_OUT_EVERY if len(run_set.lengths) < FEWEST_RUNS else 1
     rows: list[tuple[int, int, int]] = []
     for run, length in enumerate(run_set.lengths):
-        count = max(1, int(length * run_set.dt / seconds))
-        if count == 1 and len(run_set.lengths) < FEWEST_RUNS:
-            count = HELD_OUT_EVERY
+        count = max(fewest, int(length * run_set.dt / seconds))
         edges = np.linspace(0, length, count + 1).round().astype(int)
         rows += [(run, int(a), int(b)) for a, b in pairwise(edges)]
     longest = max(b - a for _, a, b in rows)

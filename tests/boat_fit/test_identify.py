@@ -294,6 +294,21 @@ def test_runs_are_held_out_whole_and_a_single_one_by_pieces(tmp_path: Path) -> N
     assert np.isfinite(by_runs.training.commands).all()
 
 
+@pytest.mark.parametrize("seconds", [30.0, 130.0, 250.0, 300.0, 350.0, 420.0, 900.0])
+def test_of_one_run_of_any_length_about_a_third_is_held_out(tmp_path: Path, seconds: float) -> None:
+    runs = start_runs(tmp_path, HIDDEN, count=1)
+    rows = round(seconds / runs.dt)
+    longer = replace(
+        runs,
+        commands=np.pad(runs.commands, ((0, 0), (0, rows), (0, 0)), mode="edge"),
+        measured=np.pad(runs.measured, ((0, 0), (0, rows), (0, 0)), mode="edge"),
+        lengths=np.array([rows]),
+    )
+    data = split(longer)
+    held = data.held_out.lengths.sum()
+    assert 0.2 < held / (held + data.training.lengths.sum()) < 0.5
+
+
 def test_runs_of_which_every_third_is_short_are_held_out_by_length(tmp_path: Path) -> None:
     runs = start_runs(tmp_path, HIDDEN, count=6, seconds=20.0)
     short = runs.lengths // 8
