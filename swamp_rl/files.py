@@ -118,7 +118,14 @@ def new_files_beside(*paths: Path) -> Iterator[list[Path]]:
 
 
 def _part(path: Path) -> Path:
+    refuse_nameless(path)
     return path.with_name(f".part-{uuid.uuid4().hex[:8]}-{path.name}")
+
+
+def refuse_nameless(path: Path) -> None:
+    """UserError where nothing can be written beside `path`, as it is a root or ends in `..`."""
+    if path.name in ("", ".."):
+        raise UserError(f"{path}: is a folder above others; give the file or folder to be written a name")
 
 
 def refuse_existing(paths: Iterable[Path]) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.files import UNFINISHED, flush, flush_whole, os_error, write_beside
+from swamp_rl.files import UNFINISHED, flush, flush_whole, os_error, refuse_nameless, write_beside
 from swamp_rl.own_code import is_user_fault
 from swamp_rl.replacement import NAMED, list_written, refuse_to_replace
 
@@ -93,6 +93,7 @@ def taken_up(
 
 def _beside(prefix: str, path: Path) -> Path:
     """A sibling of `path`; those of two prefixes differ, whatever the names of their folders."""
+    refuse_nameless(path)
     return path.with_name(prefix + path.name)
 
 
@@ -153,11 +154,15 @@ def _same(handle: int, lock: Path) -> bool:
 
 
 def remove_dead(folder: Path) -> None:
-    """Remove what `folder_beside` was building in `folder` in processes that have ended since."""
+    """Remove what `folder_beside` was building in `folder` in processes that have ended since, but for that
+    of other users, whose locks cannot be opened."""
     for part in folder.glob(".new-*"):
         lock = _beside(".lock-", part.with_name(part.name.removeprefix(".new-")))
         ours = part.is_dir() and not part.is_symlink() and lock.exists()  # which a killed process leaves
-        handle = _lock(lock) if ours else None
+        try:
+            handle = _lock(lock) if ours else None
+        except OSError:
+            continue
         if handle is not None:
             shutil.rmtree(part, ignore_errors=True)
             _free(lock, handle)

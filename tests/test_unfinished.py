@@ -263,6 +263,28 @@ def test_a_folder_whose_name_begins_as_an_unfinished_one_stays(tmp_path: Path) -
     assert sorted(path.name for path in tmp_path.iterdir()) == [".new-one", "two"]
 
 
+def test_what_another_users_process_is_building_hinders_nobody(tmp_path: Path) -> None:
+    (tmp_path / ".new-theirs").mkdir()
+    (tmp_path / "other").write_text("")
+    (tmp_path / ".lock-theirs").symlink_to("other")  # as one without permission, a link cannot be opened
+    with folder_beside(tmp_path / "mine") as part:
+        (part / "whole").write_text("whole")
+    assert names(tmp_path / "mine") == ["whole"]
+    assert (tmp_path / ".new-theirs").is_dir()
+
+
+@pytest.mark.parametrize("place", ["/", "..", "made/.."])
+def test_a_place_without_a_name_of_its_own_is_refused_before_any_work(
+    place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "folder").mkdir()
+    monkeypatch.chdir(tmp_path / "folder")
+    for writer in (folder_beside(place, "mark"), taken_up(place, ("mark",), SAME), write_beside(place)):
+        with pytest.raises(UserError, match="give the file or folder to be written a name"), writer:
+            pytest.fail("no work may be done for a place that cannot be written")
+    assert os.listdir(tmp_path) == ["folder"] and os.listdir() == []
+
+
 def test_of_two_writers_of_one_folder_the_second_is_refused(tmp_path: Path) -> None:
     with folder_beside(tmp_path / "out") as part:
         for second in (folder_beside(tmp_path / "out"), taken_up(tmp_path / "out", (), SAME)):
