@@ -12,7 +12,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.names import LONGEST
 from swamp_rl.runs.columns import ENDLESS, ONE_TURN, Span, UnknownThrusterError, missing_columns, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, faults_at
-from swamp_rl.runs.schema import META, DatasetMeta
+from swamp_rl.runs.schema import LEAST_RATE, META, MOST_RATE, DatasetMeta
 from swamp_rl.runs.table import Table
 
 STEP_TOLERANCE = 0.05  # of the period, for one step: room for times rounded to a few digits
@@ -69,7 +69,9 @@ def check_table(file: str, table: Table, boat: Boat | None, sample_rate: float |
     elif repeated := repeated_times(table.columns.get("time", np.zeros(0))):
         faults.append(Fault(file, None, "time", f"{REPEATS}: {repeated}; give each row its own"))
     elif table.whole and "time" in table.columns and np.isfinite(table.columns["time"]).all():
-        late = _check_order(file, table) or _check_rate(file, table.columns["time"], table.rows, sample_rate)
+        time = table.columns["time"]
+        late = _check_order(file, table) or _check_apart(file, time)
+        late = late or _check_rate(file, time, table.rows, sample_rate)
         faults += late or _check_degrees_against_yaw_rate(file, table.columns)
     return faults
 
@@ -214,6 +216,14 @@ def _check_order(file: str, table: Table) -> list[Fault]:
 
         found += faults_at(file, "time", table.rows[1:], wrong, message)
     return found
+
+
+def _check_apart(file: str, time: NDArray[np.float64]) -> list[Fault]:
+    """The fault of increasing times so close to each other, or so far apart, that they have no rate."""
+    step = float(np.median(np.diff(time)))
+    if 1.0 / MOST_RATE <= step <= 1.0 / LEAST_RATE:
+        return []
+    return [Fault(file, None, "time", f"rows are {step:.3g} s apart; give the times in s")]
 
 
 def _check_rate(

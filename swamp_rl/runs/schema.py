@@ -15,6 +15,9 @@ ANALYSIS = "analysis"
 "The folder of a dataset to which verbs write what they find in its runs."
 """What describes a dataset, and how the name of the copy of its course ends."""
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+LEAST_RATE, MOST_RATE = 1e-9, 1e9
+"""Hz: rows that are closer or farther apart have times in another unit."""
+Rate = Annotated[float, Field(ge=LEAST_RATE, le=MOST_RATE)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Source = Literal["measured", "simulated", "human", "scripted", "learned"]
 
@@ -73,7 +76,7 @@ class DatasetMeta(BaseModel):
     mass: Positive
     draught: Positive
     water_density: Positive
-    sample_rate: Positive
+    sample_rate: Rate
     source: Source
     course: str | None = None
     notes: str | None = None
