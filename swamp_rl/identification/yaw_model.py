@@ -66,14 +66,18 @@ def by_pseudo_inverse(motion: Motion, inertia: float) -> tuple[YawModel, list[Es
 
     UserError where the steering angle never changes.
     """
-    angle = motion.steering
-    if np.ptp(angle) < STEERED:
-        held = math.degrees(float(angle.mean()))
-        raise UserError(f"no steering: the angle is {held:.1f} deg throughout; record {NEEDED}")
+    _refuse_unsteered(motion.steering, "throughout")
     X, y = regressors(motion), inertia * motion.derivative[:, 2]
     blocks = blocks_of(motion.lengths, max(1, round(BLOCK / motion.step)))
     found = with_intervals(X, y, blocks, pseudo_inverse, UNITS)
     return YawModel._make([*(one.value for one in found), inertia]), found
+
+
+def _refuse_unsteered(angle: Array, where: str) -> None:
+    """UserError unless the steering angle [rad] changes."""
+    if np.ptp(angle) < STEERED:
+        held = math.degrees(float(angle.mean()))
+        raise UserError(f"no steering: the angle is {held:.1f} deg {where}; record {NEEDED}")
 
 
 def yaw_model_doubts(motion: Motion, found: Sequence[Estimate]) -> list[str | None]:
@@ -98,7 +102,8 @@ def by_rollout(motion: Motion, guess: YawModel) -> YawModel:
     """The same model fitted to the yaw rate itself: rollouts of 10 s, each from a start of its own.
 
     No derivative of a noisy signal is taken; surge and sway go in as measured. The starts and b_r act
-    linearly and are solved for exactly at every step of the search. UserError where every run is shorter.
+    linearly and are solved for exactly at every step of the search. UserError where every run is shorter, or
+    where the steering angle changes in no rollout.
     """
     from scipy.optimize import least_squares
 
@@ -110,6 +115,7 @@ def by_rollout(motion: Motion, guess: YawModel) -> YawModel:
     cut = np.array(starts)[:, None] + np.arange(rows)
     u, v, r = (motion.velocity[cut, i] for i in range(3))
     steering = motion.steering[cut]
+    _refuse_unsteered(steering, f"in all {len(starts)} stretches of {WINDOW:g} s")
     scale = np.maximum(np.abs(guess[:3]), 1.0)
 
     def separated(x: Array) -> tuple[Array, Array]:
@@ -117,7 +123,7 @@ def by_rollout(motion: Motion, guess: YawModel) -> YawModel:
         with np.errstate(over="ignore", invalid="ignore"):
             free = rollout(model, np.ones(len(r)), u, v, 0.0 * steering, motion.step)
             forced = rollout(model, np.zeros(len(r)), u, v, steering, motion.step)
-        free, forced = np.clip(free, -FAR, FAR), np.clip(forced, -FAR, FAR)
+        free, forced = (np.clip(np.nan_to_num(one, nan=FAR), -FAR, FAR) for one in (free, forced))
         return _without(forced, free), _without(r, free)
 
     def misfit(x: Array) -> Array:

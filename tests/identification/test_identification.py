@@ -62,6 +62,19 @@ def test_without_noise_the_pseudo_inverse_finds_the_model_and_so_does_the_rollou
     assert rolled[:4] == pytest.approx(PUBLISHED[:4], rel=1e-4)
 
 
+def test_steering_that_lies_outside_of_all_rollouts_is_refused() -> None:
+    motion = own_motion(0.0)
+    row = np.arange(len(motion.time))
+    late = motion._replace(steering=np.where(row < len(row) - 5, 0.0, 0.3)).rows(row >= 10)
+    with pytest.raises(UserError, match=r"no steering: the angle is 0.0 deg in all \d+ stretches of 10 s"):
+        by_rollout(late, PUBLISHED)
+
+
+def test_a_guess_that_diverges_beyond_all_numbers_begins_a_search() -> None:
+    found = by_rollout(own_motion(0.0), PUBLISHED._replace(k_r=1e6))
+    assert np.isfinite(found).all()
+
+
 def test_with_noise_the_pseudo_inverse_is_biased_and_the_rollout_is_not() -> None:
     """Noise on r is noise on its regressors: least squares shrinks the damping it finds."""
     damping = PUBLISHED.damping(0.8)
