@@ -341,7 +341,13 @@ def _refuse_settings_here() -> None:
 
 
 def _refuse_environment() -> None:
-    """UserError for settings of numba in environment variables with which nothing is compiled."""
+    """UserError for environment variables with which nothing is compiled, or no library is imported. Figures
+    go to files, so a backend of matplotlib that a user's shell names, perhaps one that is not there, does not
+    matter.
+    """
+    os.environ["MPLBACKEND"] = "agg"
+    if not re.fullmatch("[0-9]{1,11}", given := os.environ.get("SOURCE_DATE_EPOCH", "0")):
+        raise UserError(f"SOURCE_DATE_EPOCH is {given}: give seconds since 1970, or unset this variable")
     if (given := os.environ.get("NUMBA_DISABLE_JIT", "0")) not in ("", "0"):
         raise UserError(f"NUMBA_DISABLE_JIT is {given}: the simulator must be compiled; unset this variable")
     threads = os.environ.get("NUMBA_NUM_THREADS", "1").strip()

@@ -109,3 +109,28 @@ def test_settings_of_numba_with_which_nothing_is_compiled_are_reported(
 ) -> None:
     monkeypatch.setenv(f"NUMBA_{name}", value)
     assert_complains(call("effects"), f"NUMBA_{name} is {value}: ", "unset this variable")
+
+
+@pytest.mark.parametrize("value", ["abc", "-5", "9" * 20])
+def test_a_date_that_libraries_do_not_read_is_refused_with_one_line(value: str, tmp_path: Path) -> None:
+    done = in_an_environment(tmp_path, SOURCE_DATE_EPOCH=value)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+    assert f"SOURCE_DATE_EPOCH is {value}: give seconds since 1970" in done.stderr
+
+
+def test_a_backend_of_matplotlib_that_is_not_there_does_not_matter(tmp_path: Path) -> None:
+    done = in_an_environment(tmp_path, MPLBACKEND="nonsense")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert list((tmp_path / "hull").glob("*.png"))
+
+
+def in_an_environment(folder: Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    """A verb that draws a figure, in a process of its own."""
+    words = ["design", "hull", "swamp_hull", "--out", str(folder / "hull")]
+    return subprocess.run(
+        [sys.executable, "-P", "-m", "swamp_rl", *words],
+        env=os.environ | variables,
+        check=False,
+        capture_output=True,
+        text=True,
+    )
