@@ -178,6 +178,10 @@ def test_an_object_in_place_of_a_name_or_a_folder_is_one_line() -> None:
     for task in (swamp_rl.train, swamp_rl.run_experiment):
         with pytest.raises(UserError, match="one of the experiments is of the type dict; give a name or a"):
             task({"name": "mine"})
+    for folders in (3, None, b"runs", ["runs"]):
+        for task in (swamp_rl.read_runs, swamp_rl.identify):
+            with pytest.raises(UserError, match="one of the datasets is of the type"):
+                task(folders)
 
 
 def test_identified_thrust_deduction_is_the_boat_files(tmp_path: Path) -> None:

@@ -110,14 +110,13 @@ def read_dataset(
     dataset.yaml leaves out: the runs are all .csv and .parquet files, their outcome is evaluated on the
     course, mass, draught and water density are the boat's, and the sample rate is that of the times.
     """
-    folder = Path(folder)
     for kind, given in (("boats", boat), ("courses", course)):
         if given is not None:
             refuse_object(kind, given)
     found = inspect_dataset(folder, boat, course)
-    refuse_faults(folder, found.faults)
+    refuse_faults(Path(folder), found.faults)
     assert found.meta is not None
-    return Dataset(folder, found.meta, found.runs, found.named_boat, found.named_course)
+    return Dataset(Path(folder), found.meta, found.runs, found.named_boat, found.named_course)
 
 
 def refuse_faults(folder: Path, faults: Sequence[Fault]) -> None:
@@ -145,6 +144,7 @@ def inspect_dataset(
 
     boat, course: as for `read_dataset`.
     """
+    refuse_object("datasets", folder)
     folder = Path(folder)
     if is_file(folder):
         raise UserError(f"{folder}: {NO_FOLDER}")
