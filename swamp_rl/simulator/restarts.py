@@ -12,6 +12,7 @@ from swamp_rl.angles import within_half_turn
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run
+from swamp_rl.runs.resample import most_rows
 from swamp_rl.simulator.delay import delayed_command
 from swamp_rl.simulator.parameters import parameters, tank
 from swamp_rl.simulator.replay import (
@@ -56,8 +57,8 @@ def replay_restarted(boat: Boat, run: Run, seconds: float, ignore: Sequence[str]
     Velocities come from the run where it holds all three, else from a parabola through the track about the
     restart. Where rows are lost, the command before stands, and a window starts with the next row that is
     there. Wind and depth that the run measured are inputs, less those in `ignore`. UserError where the run is
-    shorter than a window, the window shorter than two samples, a command of this boat is missing, or times do
-    not lie on a grid.
+    shorter than a window, the window shorter than two samples, a command of this boat is missing, times do
+    not lie on a grid, or nearly all rows are lost.
     """
     dt = sample_step(run)
     refuse_too_long(run, boat)
@@ -112,7 +113,13 @@ def grid_rows(run: Run, dt: float) -> NDArray[np.int64]:
 
 
 def _held(run: Run, places: NDArray[np.int64], dt: float) -> Run:
-    """The run on its whole grid, each lost row as the one before."""
+    """The run on its whole grid, each lost row as the one before; UserError for more than `most_rows`."""
+    most = most_rows(len(run.columns), len(run.time))
+    if places[-1] >= most:
+        raise UserError(
+            f"run {run.name}: {places[-1] + 1} rows with those that are lost, at most {most}; divide the run "
+            "where its times jump"
+        )
     every = np.arange(places[-1] + 1)
     before = np.searchsorted(places, every, side="right") - 1
     columns = {name: values[before] for name, values in run.columns.items()}

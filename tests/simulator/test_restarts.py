@@ -118,3 +118,10 @@ def test_times_that_lie_on_no_grid_are_refused_by_row() -> None:
     columns["time"][17] += 0.05
     with pytest.raises(UserError, match=r"row 18: time 1\.75 s does not fit the sample step of 0\.1 s"):
         replay_restarted(BOAT, Run("uneven", columns), 10.0)
+
+
+def test_a_run_whose_times_jump_by_days_is_refused_before_its_rows_are_filled_in() -> None:
+    columns = sailed(BOAT).columns | {}
+    columns["time"] = np.where(np.arange(len(columns["time"])) < 200, columns["time"], columns["time"] + 1e6)
+    with pytest.raises(UserError, match=r"1000\d+ rows with those that are lost, .*; divide the run"):
+        replay_restarted(BOAT, Run("jumping", columns), 10.0)
