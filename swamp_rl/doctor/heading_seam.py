@@ -3,11 +3,12 @@ degree through 180, in place of along the shorter arc.
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.angles import wrapped
+from swamp_rl.angles import FULL_TURN, wrapped
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
 from swamp_rl.runs.bad_rows import FEWEST_ROWS
@@ -16,10 +17,10 @@ Array = NDArray[np.float64]
 
 USUAL, FAST = 0.95, 4.0
 """Quantile of the turning rates, and how many times that between two samples the heading turns."""
-NEAR = 0.5
-"""rad: the boat turns by less between two samples, and points so near to the seam before and after."""
-FARTHEST = 1.0
-"""rad: an excursion of the heading turns by more in all."""
+SEAMS = 0.0, np.pi
+"""rad: north, of compasses from 0 to 360 degrees, and south, of those from -180 to 180."""
+NEAR, AT = 0.5, 1e-6
+"""rad from the seam: of the heading before and after at most, and of a heading at the seam."""
 EVEN = 0.05
 """Spread of the steps between two samples, relative to their median: those of an interpolation are equal."""
 CLEAR = 1.2
@@ -58,26 +59,43 @@ def seam_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
 
 def _stretches(run: Run) -> list[tuple[int, int]]:
     """First and last row of each interpolation across the seam at north or south."""
-    heading = run.columns.get("heading")
+    heading, yaw_rate = run.columns.get("heading"), run.columns.get("yaw_rate")
     steps = np.diff(run.time)
     if heading is None or len(steps) < 3 or not np.isfinite(heading).all() or not (steps > 0.0).all():
         return []
-    turns = np.asarray(wrapped(np.diff(heading)))
-    rates = np.abs(turns) / steps
-    # A sample at the seam's side is followed by a part of a step.
-    fast = rates > FAST * float(np.quantile(rates, USUAL))
-    edges = np.flatnonzero(np.diff(fast, prepend=False, append=False)).reshape(-1, 2).tolist()
-    return [(a, b) for a, b in edges if _is_excursion(heading[[a, b]], turns[a:b])]
+    fast = _fast(np.asarray(wrapped(np.diff(heading))) / steps, FAST)
+    # A boat that truly turns there has a fast yaw rate, in whichever unit.
+    turns_there = np.zeros(len(heading), bool) if yaw_rate is None else _fast(yaw_rate, 0.5 * FAST)
+    found = []
+    for seam in SEAMS:
+        above = (heading - seam) % FULL_TURN
+        away = np.minimum(above, FULL_TURN - above)
+        at = away < AT  # 0 and 360 degrees are one heading
+        turns = np.where(at[1:] | at[:-1], wrapped(np.diff(above)), np.diff(above))
+        ways = np.where(fast, np.sign(turns), 0.0)
+        edges = np.flatnonzero(np.diff(ways, prepend=0.0, append=0.0) != 0.0)
+        found += [
+            (a, b)
+            for a, b in pairwise(edges.tolist())
+            if ways[a] != 0.0
+            and max(away[a], away[b]) < NEAR
+            and _is_excursion(turns[a:b])
+            and turns_there[a + 1 : b].mean() < 0.5
+        ]
+    return sorted(found)
 
 
-def _is_excursion(ends: Array, turns: Array) -> bool:
-    """Whether the turns (N,) [rad] go the long way from one end to the other, which are both near north or
-    both near south."""
-    seam = 0.0 if abs(wrapped(float(ends[0]))) < 0.5 * np.pi else np.pi
-    sides = np.asarray(wrapped(ends - seam))
+def _fast(rates: Array, factor: float) -> NDArray[np.bool_]:
+    """Where rates (N,) are more than so many times their USUAL quantile; nowhere by rates that are NaN."""
+    sizes = np.abs(rates)
+    return sizes > factor * float(np.quantile(sizes, USUAL))
+
+
+def _is_excursion(turns: Array) -> bool:
+    """Whether turns (N,) [rad] to one side go the long way from one side of the seam to the other."""
     inner = turns[1:-1]
     even = len(inner) < 2 or float(np.ptp(inner)) <= EVEN * abs(float(np.median(inner)))
-    return bool(np.abs(sides).max() < NEAR and np.abs(turns).sum() > FARTHEST and even)
+    return len(turns) > 1 and even and abs(float(turns.sum())) > FULL_TURN - 2.0 * NEAR
 
 
 def _fastest(run: Run, part: slice) -> float:

@@ -59,3 +59,36 @@ def test_the_advice_on_a_heading_interpolated_across_its_seam_mends_it(
     mended = read_dataset(tmp_path / "mended").runs
     assert len(mended) == len(sound)
     assert "heading_seam" not in [one.code for one in examine(mended, twin)]
+
+
+TIME = np.arange(0.0, 300.0, 0.1)
+
+
+def seams(heading: np.ndarray, **others: np.ndarray) -> list[float]:
+    """Places at which a heading (T,) [rad] at TIME is found to be interpolated across its seam."""
+    still = np.zeros(len(TIME))
+    columns = {"time": TIME, "north": still, "east": still, "heading": np.asarray(wrapped(heading))}
+    found = examine([Run("one", columns | others)])
+    return [one.figures["places"] for one in found if one.code == "heading_seam"]
+
+
+def test_a_course_that_weaves_over_north_is_interpolated_wherever_it_crosses() -> None:
+    samples = np.where(TIME < 270.0, 1.5 + 0.4 * np.sin(0.05 * TIME), 0.0)[::10]
+    samples[-10:] = np.radians(np.tile([2.0, -2.0], 5))
+    logged = np.interp(TIME, TIME[::10], samples % (2.0 * np.pi))
+    assert seams(logged) == [9.0]
+
+
+@pytest.mark.parametrize("off", [0.8, np.pi])
+def test_one_row_of_a_heading_near_north_that_is_off_is_no_seam(off: float) -> None:
+    heading = 0.05 * np.sin(0.1 * TIME)
+    heading[1000] += off
+    assert seams(heading) == []
+
+
+def test_a_full_turn_from_north_to_north_is_no_seam_where_the_yaw_rate_shows_it() -> None:
+    turn = 2.0 * np.pi * np.clip((TIME - 150.0) / 6.0, 0.0, 1.0)
+    heading = turn + 0.0005 * np.sin(3.0 * TIME)
+    rate = np.gradient(heading, TIME)
+    assert seams(heading, yaw_rate=rate) == seams(heading, yaw_rate=np.degrees(rate)) == []
+    assert seams(heading, yaw_rate=rate - np.gradient(turn, TIME)) == [1.0]
