@@ -87,15 +87,17 @@ def _stay(values: Array, others: Sequence[Array], digit: float) -> tuple[int, in
 
     digit: the channel's last digit, 0 where it has none."""
     starts, lengths = holds(values)
-    ordinary = [_is_quiet(values, start, rows, digit) for start, rows in zip(starts, lengths, strict=True)]
-    longest = int(np.argmax(np.where(ordinary, 0, lengths)))
-    if ordinary[longest]:
+    long = np.flatnonzero(lengths >= FEWEST_ROWS)
+    longest_first = long[np.argsort(-lengths[long], kind="stable")]
+    stays = (int(n) for n in longest_first if not _is_quiet(values, int(starts[n]), int(lengths[n]), digit))
+    longest = next(stays, None)
+    if longest is None:
         return None
     rows = int(lengths[longest])
     rest = np.delete(lengths, longest)
     usual = max(float(np.quantile(rest, 0.9)) if len(rest) else 0.0, usual_slope(values))
     whole = rows == len(values)
-    if rows < FEWEST_ROWS or (not whole and rows <= LONGEST_HOLD * max(usual, 1.0)):
+    if not whole and rows <= LONGEST_HOLD * max(usual, 1.0):
         return None
     first, last = int(starts[longest]), int(starts[longest]) + rows - 1
     moved = [_share(other, first, last) for other in others if np.ptp(other) > 0.0]
