@@ -74,8 +74,9 @@ NAMES = {
     "yaw_rate": "yaw rate, yawrate, rate z, gyro z, gz, wz, turn rate",
 }
 """Words of names by the quantities of a mapping, without units and sources."""
-BESIDE_SURGE = "v", "r"
-"""Names of columns that are the sway and the yaw rate beside a column `u`, and may be anything without."""
+BESIDE_SURGE = {"v": "v", "r": "yaw_rate"}
+"""Names of columns that are the sway and the yaw rate beside a column `u`, and may be anything without; by
+each the name in NAMES of what it is."""
 POSITIONS = ("latitude", "longitude"), ("north", "east"), ("x", "y")
 REQUIRED_POSITION = POSITIONS[1]  # of the run format
 VELOCITY = "velocity_north", "velocity_east"
@@ -170,17 +171,21 @@ def _suggested(log: Log, boat: Boat) -> dict[str, Suggestion]:
 
 
 def _beside_surge(
-    found: Mapping[str, Suggestion], there: Iterable[tuple[Suggestion, frozenset[str]]]
+    found: Mapping[str, Suggestion], there: Sequence[tuple[Suggestion, frozenset[str]]]
 ) -> dict[str, Suggestion]:
-    """The columns of BESIDE_SURGE, where the surge is `u`; a yaw rate is in deg/s beside a heading in deg."""
-    if "u" not in found or found["u"].column.rpartition(".")[2] != "u":
+    """The columns of BESIDE_SURGE in the table of a surge that is `u`; a yaw rate whose name has no unit is
+    in deg/s beside a heading in deg."""
+    if "u" not in found:
         return {}
-    named = {one.column.rpartition(".")[2]: one for one, _ in there}
-    beside = {name: named[name] for name in BESIDE_SURGE if name in named and name not in found}
-    if "r" in beside and "yaw_rate" in found:
-        del beside["r"]
+    table, _, _ = found["u"].column.rpartition(".")
+    named = {words: one for one, words in reversed(there) if one.column.rpartition(".")[0] == table}
+    if named.get(frozenset("u")) != found["u"]:
+        return {}
+    wanted = [(name, frozenset(name)) for name, other in BESIDE_SURGE.items() if other not in found]
+    beside = {name: named[words] for name, words in wanted if words in named}
     if "r" in beside and "heading" in found and found["heading"].unit == "deg":
-        beside["r"] = replace(beside["r"], unit="deg/s")
+        (*_, last) = WORD.findall(beside["r"].column)
+        beside["r"] = replace(beside["r"], unit="deg/s") if last.lower() == "r" else beside["r"]
     return beside
 
 

@@ -257,6 +257,8 @@ def test_coordinates_in_tables_of_other_lengths_are_compared_by_their_sizes() ->
         (["v", "r", "psi"], {}),
         (["surge", "v", "r", "psi"], {"u": "surge"}),
         (["u", "r", "yaw_rate", "psi"], {"u": "u", "yaw_rate": "yaw_rate"}),
+        (["U", "V", "R", "psi"], {"u": "U", "v": "V", "r": "R [deg/s]"}),
+        (["u (m/s)", "r (rad/s)", "psi"], {"u": "`u (m/s)`", "r": "`r (rad/s)`"}),
     ],
 )
 def test_v_and_r_are_the_sway_and_the_yaw_rate_beside_u(columns: list[str], found: dict[str, str]) -> None:
@@ -265,6 +267,12 @@ def test_v_and_r_are_the_sway_and_the_yaw_rate_beside_u(columns: list[str], foun
     log = Log("day.csv", "day", {"day": LogTable("day", Table(values, rows))})
     options, _ = suggested("swamp", log)
     assert {name: told for name, told in options.items() if name != "heading"} == found
+
+
+def test_v_and_r_are_those_of_the_table_of_u() -> None:
+    columns = {"log": ["u", "v", "r"], "wind": ["v", "r"]}
+    found, _ = suggested("swamp", log_of(**columns))
+    assert found == {"u": "log.u", "v": "log.v", "r": "log.r"}
 
 
 def test_a_time_vector_and_a_short_azimuth_are_suggested(tmp_path: Path) -> None:
