@@ -238,6 +238,8 @@ def test_the_report_calls_a_rudder_what_its_column_is_called() -> None:
     )
     assert curve_name(curve, load_boat("esso_osaka")) == "yaw moment as a function of rudder main [rad]"
     assert curve_name(curve, BOAT) == "yaw moment as a function of azimuth main [rad]"
+    of_a_corner = curve.model_copy(update={"thruster": "stern_port"})
+    assert curve_name(of_a_corner, BOAT) == "yaw moment as a function of azimuth stern_port [rad]"
 
 
 @pytest.mark.slow

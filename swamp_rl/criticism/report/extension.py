@@ -29,8 +29,10 @@ def curve_name(curve: ForceCurve, boat: Boat) -> str:
 
 def variable_of(curve: ForceCurve, boat: Boat) -> str:
     """What a force depends on, with its unit; commands as `as_column` names them."""
-    of = f" {curve.thruster}" if curve.covariate in COMMANDS else ""
-    return f"{as_column(curve.covariate + of, boat).replace('_', ' ')} [{COVARIATES[curve.covariate]}]"
+    name = curve.covariate.replace("_", " ")
+    if curve.covariate in COMMANDS:
+        name = as_column(f"{name} {curve.thruster}", boat)
+    return f"{name} [{COVARIATES[curve.covariate]}]"
 
 
 def extension_sentence(found: Diagnosis, boat: Boat) -> str:
