@@ -22,11 +22,16 @@ class Finding:
     runs: tuple[str, ...] = ()
     figures: dict[str, float] = field(default_factory=dict)
 
+    @property
+    def distinct_runs(self) -> list[str]:
+        """Names of runs, each once: parts of a run have its name."""
+        return list(dict.fromkeys(self.runs))
+
     def __str__(self) -> str:
-        runs = list(dict.fromkeys(self.runs))[:6]  # parts of a run have its name
+        runs = self.distinct_runs[:6]
         where = f"{', '.join(self.columns)}" + (f" ({', '.join(runs)})" if runs else "")
         return f"{self.level}: {self.code}: {where}: {self.message}; {self.advice}"
 
     def as_json(self) -> dict[str, Any]:
         """Plain types."""
-        return asdict(self) | {"columns": list(self.columns), "runs": list(self.runs)}
+        return asdict(self) | {"columns": list(self.columns), "runs": self.distinct_runs}

@@ -86,6 +86,18 @@ def test_one_row_of_a_heading_near_north_that_is_off_is_no_seam(off: float) -> N
     assert seams(heading) == []
 
 
+def test_parts_of_a_run_with_a_seam_in_each_are_one_run_in_the_report() -> None:
+    samples = np.where(TIME < 270.0, 1.5 + 0.4 * np.sin(0.05 * TIME), 0.0)[::10]
+    samples[[100, -1]] = np.radians(-2.0)
+    samples[99] = samples[101] = samples[-2] = np.radians(2.0)
+    north = np.where(TIME < 150.0, 0.0, 500.0) + TIME
+    logged = np.asarray(wrapped(np.interp(TIME, TIME[::10], samples % (2.0 * np.pi))))
+    columns = {"time": TIME, "north": north, "east": 0.0 * TIME, "heading": logged}
+    (found,) = [one for one in examine([Run("one", columns)]) if one.code == "heading_seam"]
+    assert found.as_json()["runs"] == ["one"] and "heading (one):" in str(found)
+    assert len(found.runs) == 2
+
+
 def test_a_full_turn_from_north_to_north_is_no_seam_where_the_yaw_rate_shows_it() -> None:
     turn = 2.0 * np.pi * np.clip((TIME - 150.0) / 6.0, 0.0, 1.0)
     heading = turn + 0.0005 * np.sin(3.0 * TIME)
