@@ -31,6 +31,7 @@ LEAST_PERCENT = 20.0
 REPEATS = "repeats"
 WRAP = "wrap it into that range"
 MISSING = "is missing; add it"
+NOT_FINITE = "is not a finite number"
 FORMULA = "=+-@"
 "What a spreadsheet takes for the beginning of a formula, in a header too, when it opens a run as CSV."
 ODD_NAME = (
@@ -121,7 +122,7 @@ def _check_values(file: str, name: str, table: Table, span: Span) -> list[Fault]
         name,
         table.rows,
         infinite,
-        lambda i: f"{values[i]} is not a finite number; correct it or cut the run here",
+        lambda i: f"{values[i]} {NOT_FINITE}; correct it or cut the run here",
     )
     with np.errstate(invalid="ignore"):
         outside = np.isfinite(values) & ((values < span.low) | (values > span.high))

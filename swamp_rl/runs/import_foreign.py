@@ -15,7 +15,7 @@ from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
 from swamp_rl.errors import UserError
 from swamp_rl.runs.bad_rows import REFUSED, BadRows, gap_faults, listed, stretches
-from swamp_rl.runs.check import MISSING, ODD_NAME, REPEATS, check_table
+from swamp_rl.runs.check import MISSING, NOT_FINITE, ODD_NAME, REPEATS, check_table
 from swamp_rl.runs.columns import NO_THRUSTER, REQUIRED, UnknownThrusterError, span_of
 from swamp_rl.runs.faults import NO_NUMBER, Fault, condensed, faults_at
 from swamp_rl.runs.local_frame import NEAR, Place, distance, to_local
@@ -32,7 +32,6 @@ NO_FIX = "is 0 with longitude 0, as receivers give it without a fix; cut these r
 
 TURN = 2.0 * math.pi + 1e-9
 TIME_OF_DAY = re.compile(r"\d\d:\d\d")
-NOT_FINITE = "is not a finite number"
 ROW_ALONE = (
     "is missing",
     "is not a time",
