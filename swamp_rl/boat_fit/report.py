@@ -26,7 +26,7 @@ from swamp_rl.simulator.reference import reference_of
 GAINS = {"none": "no gain", "common": "one gain of all thrusters", "each": "a gain of each thruster"}
 HEADS = tuple(name.replace("_", " ") for name in TRIVIAL)
 DIRECTION = {"wind": "from", "current": "sets toward"}
-FEWEST_PASSED = 3.0  # lengths at full speed in a window, in which a ship's answer to its rudder is over
+FEWEST_PASSED = 3.0  # lengths at full speed in a window, in which a ship's response to its rudder is over
 FAR = 3.0  # standard deviations of the prior, beyond which a number contradicts the start file
 WIRED = (
     "The boat file has it among its effects, so pilots would drive a boat with this wiring. If only the log "
@@ -105,8 +105,9 @@ def short_windows(boat: Boat) -> list[str]:
         return []
     return [
         f"In the longest windows of the fit, {seconds:.0f} s, the boat passes {passed:.1g} lengths at full "
-        "speed, in which it hardly answers: import a ship's runs at the scale of a model, with lengths over "
-        "the scale and times over its root, by Froude's law, and identify a boat file of that scale."
+        "speed, less than its response to steering takes: import a ship's runs at the scale of a model by "
+        "Froude's law, lengths over the scale and times over its square root, and identify a boat file of "
+        "that scale."
     ]
 
 
