@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 def best_instant(problem: Shooting, at: Fit, index: int, states: Array) -> float:
     """The instant, parameter `index` of a fit, of least chi2 up to a window's length away, and then up to a
     step of that search away, with the initial states of the windows about it fitted anew for each from
-    measured ones (W, 6): those of the fit are bent.
+    measured ones (W, 6): those of the fit make up for the present instant.
     """
     length = problem.windows.rows * problem.dt
     low, high = (one[index] for one in at.hypothesis.bounds())

@@ -20,9 +20,8 @@ HELD = 0.5  # s that an order is held at least
 EXECUTES = 3  # of the steering, to either side in turn, that make a zig-zag
 RAMP_SPAN, RAMP_SHARE = 0.25, 0.2  # s over which steering moves by that share of its fastest, in a ramp
 TURNED = math.pi / 2  # of heading that makes a turning circle
-BRIEF = (
-    0.2  # of the duration of an order: what is shorter before a zig-zag is none; it is passed for no longer
-)
+BRIEF = 0.2
+"""Of the duration of an order: what is shorter before a zig-zag is none, and it is passed for no longer."""
 APART = 0.2  # of a turning circle's duration, by which another one begins later or ends earlier
 AT_LEAST = 0.5  # of the most held angle, where the steering is not held but stays on its side
 LARGEST = {"angle": math.tau, "heading": math.tau, "throttle": 1.0}  # numbers of a setting [rad, rad, 1]
