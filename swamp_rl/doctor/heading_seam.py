@@ -23,14 +23,15 @@ NEAR, AT = 0.5, 1e-6
 """rad from the seam: of the heading before and after at most, and of a heading at the seam."""
 EVEN = 0.05
 """Spread of the steps between two samples, relative to their median: those of an interpolation are equal."""
-CLEAR = 1.2
-"""Times the fastest other turn: the rate from which the advice leaves rows out."""
+CLEAR, WITHIN = 1.2, 0.8
+"""Times the fastest other turn, and at most times the slowest interpolation across the seam (another row may
+be off): the rate from which the advice leaves rows out."""
 
 
 def seam_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
     """A finding with the runs whose heading was interpolated across its seam; and the runs, divided there
     into parts of FEWEST_ROWS or more."""
-    names, places, divided, fastest = [], [], [], 0.0
+    names, places, divided, fastest, slowest = [], [], [], 0.0, np.inf
     for run in runs:
         stretches = _stretches(run)
         if not stretches:
@@ -40,7 +41,8 @@ def seam_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
         places += [f"{run.time[a]:.1f} to {run.time[b]:.1f} s of {run.name}" for a, b in stretches]
         edges = [0, *(row for a, b in stretches for row in (a, b + 1)), len(run.time)]
         kept = [slice(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a >= FEWEST_ROWS]
-        fastest = max([fastest, *(_fastest(run, part) for part in kept)])
+        fastest = max([fastest, *(_rates(run, part).max() for part in kept)])
+        slowest = min([slowest, *(float(np.median(_rates(run, slice(a, b + 1)))) for a, b in stretches)])
         divided += [Run(run.name, {n: v[part] for n, v in run.columns.items()}, run.meta) for part in kept]
     if not names:
         return [], divided
@@ -48,7 +50,8 @@ def seam_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
         f"is interpolated across its seam, as from 359 to 1 degree through 180, at {len(places)} "
         f"place{'s' * (len(places) > 1)}, first from {places[0]}"
     )
-    missing = f"heading=where(abs(turn_rate(heading)) > {CLEAR * fastest:.3g}, 0/0, heading)"
+    limit = min(CLEAR * fastest, WITHIN * slowest)
+    missing = f"heading=where(abs(turn_rate(heading)) > {limit:.3g}, 0/0, heading)"
     advice = (
         "interpolate its sine and cosine; or leave these rows out: swamp-rl runs import, of this dataset, "
         f"--map '{missing}' --bad-rows split, where --resample HZ --fill SECONDS keeps the runs whole"
@@ -98,6 +101,6 @@ def _is_excursion(turns: Array) -> bool:
     return len(turns) > 1 and even and abs(float(turns.sum())) > FULL_TURN - 2.0 * NEAR
 
 
-def _fastest(run: Run, part: slice) -> float:
-    """The greatest turning rate [rad/s] within a part of a run, as `turn_rate` has it."""
-    return float(np.abs(np.gradient(np.unwrap(run.columns["heading"][part]), run.time[part])).max())
+def _rates(run: Run, part: slice) -> Array:
+    """Turning rates [rad/s] within a part of a run, as `turn_rate` has them."""
+    return np.abs(np.gradient(np.unwrap(run.columns["heading"][part]), run.time[part]))

@@ -86,6 +86,19 @@ def test_one_row_of_a_heading_near_north_that_is_off_is_no_seam(off: float) -> N
     assert seams(heading) == []
 
 
+def test_the_advice_leaves_out_the_rows_at_the_seam_beside_a_row_that_is_off() -> None:
+    samples = np.where(TIME < 270.0, 1.5 + 0.4 * np.sin(0.05 * TIME), 0.0)[::10]
+    samples[-10:] = np.radians(np.tile([2.0, -2.0], 5))
+    logged = np.interp(TIME, TIME[::10], samples % (2.0 * np.pi))
+    logged[1000] += 2.0
+    still = np.zeros(len(TIME))
+    run = Run("one", {"time": TIME, "north": still, "east": still, "heading": np.asarray(wrapped(logged))})
+    (found,) = [one for one in examine([run]) if one.code == "heading_seam"]
+    limit = float(found.advice.partition("> ")[2].partition(",")[0])
+    crossing = np.radians(356.0)  # rad/s: samples are 1 s apart
+    assert 0.5 * crossing < limit < crossing
+
+
 def test_parts_of_a_run_with_a_seam_in_each_are_one_run_in_the_report() -> None:
     samples = np.where(TIME < 270.0, 1.5 + 0.4 * np.sin(0.05 * TIME), 0.0)[::10]
     samples[[100, -1]] = np.radians(-2.0)
