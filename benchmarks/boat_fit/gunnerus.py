@@ -5,6 +5,7 @@
 The measured data are not part of the project: one table of 2.5 hours, in steps of 0.5 s.
 """
 
+from copy import deepcopy
 from pathlib import Path
 
 import numpy as np
@@ -38,7 +39,7 @@ SIZES = {
 }
 """Sizes [m], mass [kg], bollard pull [N], speed [m/s] and lateral area of both drives [m2]."""
 SIDES = {"port": -2.7, "starboard": 2.7}  # m to starboard of the centre line
-REVOLUTIONS = 205  # rpm of full throttle
+AZIMUTH, REVOLUTIONS = 0.8, 205  # rad that the drives turn at most, rpm of full throttle
 RESAMPLED, FILL = 1.0, 4.0  # Hz and s of `--resample` and `--fill`
 KNOTS = "1.9834/1.943844"  # the factor of the log's knots over the true one
 NOTES = "R/V Gunnerus, 27 October 2022"
@@ -69,10 +70,17 @@ FEWEST, TURNED = 60.0, 2.0  # s of a run, and rad that it turns at least, whose 
 
 
 def start_file(path: Path) -> Path:
-    """The estimate of `boat new`, with the thrusters in their place abreast."""
-    content = boat_file("gunnerus", "stern-azimuths", **SIZES)
-    for thruster in content["thrusters"]:
-        thruster["y"] |= {"value": SIDES[thruster["name"]]}
+    """The estimate of `boat new` for an outboard, with two drives of half its thrust in its place."""
+    content = boat_file("gunnerus", "outboard", **SIZES)
+    (drive,) = content["thrusters"]
+    for name in ("thrust_linear", "thrust_quadratic", "astern_linear", "astern_quadratic", "nozzle_area"):
+        drive[name] |= {key: 0.5 * drive[name][key] for key in ("value", "sd")}
+    drive["azimuth_min"] |= {"value": -AZIMUTH}
+    drive["azimuth_max"] |= {"value": AZIMUTH}
+    content["thrusters"] = [deepcopy(drive) | {"name": side} for side in SIDES]
+    for thruster, place in zip(content["thrusters"], SIDES.values(), strict=True):
+        thruster["y"] |= {"value": place}
+    content["joypad"]["thrusters"] = list(SIDES)
     path.write_text(annotated(content, "R/V Gunnerus."), encoding="utf-8")
     return path
 
