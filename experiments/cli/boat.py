@@ -22,8 +22,8 @@ def new(
     kind: Annotated[
         str,
         typer.Option(
-            help="twin-fixed, four-fixed, azimuth, four-azimuths, stern-azimuths, propeller-rudder, waterjet "
-            "or outboard (stern drive)."
+            help="twin-fixed, four-fixed, azimuth, four-azimuths, propeller-rudder, waterjet or outboard "
+            "(stern drive)."
         ),
     ],
     length: Annotated[float, typer.Option(help="Length of the hull at the waterline (m).")],

@@ -35,14 +35,7 @@ from swamp_rl.constants import FASTEST, GRAVITY
 from swamp_rl.errors import UserError
 
 Kind = Literal[
-    "twin-fixed",
-    "four-fixed",
-    "azimuth",
-    "four-azimuths",
-    "stern-azimuths",
-    "propeller-rudder",
-    "waterjet",
-    "outboard",
+    "twin-fixed", "four-fixed", "azimuth", "four-azimuths", "propeller-rudder", "waterjet", "outboard"
 ]
 KINDS = get_args(Kind)
 DENSITY = 1025.0  # kg/m3, the sea

@@ -32,12 +32,8 @@ CORNERS = (
     ("stern_starboard", -1.0, 1.0),
 )
 """Names of thrusters with their ends (bow 1) and sides (starboard 1)."""
-AZIMUTHS = {
-    "azimuth": (0.4, (("bow", 1.0, 0.0), ("stern", -1.0, 0.0))),
-    "four-azimuths": (0.4, CORNERS),
-    "stern-azimuths": (0.5, (("port", -1.0, -1.0), ("starboard", -1.0, 1.0))),
-}
-"""The thrusters that turn all the way, by kind: distance from midship over length, and places."""
+AZIMUTHS = {"azimuth": (("bow", 1.0, 0.0), ("stern", -1.0, 0.0)), "four-azimuths": CORNERS}
+"""The thrusters that turn all the way, by kind."""
 FIXED = {
     "twin-fixed": (0.45, 0.0, (("port", -1.0, -1.0), ("starboard", -1.0, 1.0))),
     "four-fixed": (0.4, math.radians(45.0), CORNERS),
@@ -145,11 +141,10 @@ def thrusters_of(kind: str, sizes: Sizes) -> list[dict[str, Any]]:
         ]
     if kind in AZIMUTHS:
         turning = {"kind": "azimuth", **_servo(TURN_RATE, sizes)}
-        reach, places = AZIMUTHS[kind]
-        share = 1.0 / len(places)
+        share = 1.0 / len(AZIMUTHS[kind])
         return [
-            _pushing(sizes, kind, name, share, (end * reach * length, side * sizes.abreast), turning, 0.0)
-            for name, end, side in places
+            _pushing(sizes, kind, name, share, (end * 0.4 * length, side * sizes.abreast), turning, 0.0)
+            for name, end, side in AZIMUTHS[kind]
         ]
     if kind == "propeller-rudder":
         return [_propeller_rudder(sizes)]

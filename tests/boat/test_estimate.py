@@ -20,7 +20,6 @@ from swamp_rl.boat.estimate_hull import (
     hull_derivatives,
 )
 from swamp_rl.boat.quantity import units
-from swamp_rl.boat.schema import Thruster
 from swamp_rl.errors import UserError
 from swamp_rl.simulator import parameters, tank
 from swamp_rl.simulator.reference import reference_of
@@ -303,13 +302,3 @@ def test_a_dead_band_of_the_file_gives_no_thrust_below_it(tmp_path: Path) -> Non
     full = [sailed(boat, 0.0, throttle=1.0)[-1, SURGE] for boat in (stiff, plain)]
     assert full[0] == pytest.approx(full[1])
     assert tank(stiff).shape == (1, 6, 1)
-
-
-def test_two_azimuth_thrusters_at_the_stern_share_the_thrust(tmp_path: Path) -> None:
-    boat = new_boat(tmp_path, "stern-azimuths", 5.0, thrust=800.0)
-    port, starboard = boat.thrusters
-    assert (port.name, starboard.name) == ("port", "starboard")
-    assert isinstance(port, Thruster) and isinstance(starboard, Thruster)
-    assert port.x == starboard.x == pytest.approx(-2.5)
-    assert port.y == pytest.approx(-starboard.y) and port.y < 0.0
-    assert port.thrust_quadratic == starboard.thrust_quadratic == pytest.approx(400.0)
