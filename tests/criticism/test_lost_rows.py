@@ -129,15 +129,19 @@ def test_a_throttle_that_jumps_in_a_lost_row_of_a_run_of_ramps_is_not_interpolat
 
 
 @pytest.mark.parametrize("held", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("rows", [(ROW, ROW + 5), (ROW - 20, ROW, ROW + 5)])
 @pytest.mark.parametrize("seed", range(3))
-def test_commands_in_two_lost_rows_half_a_second_apart_are_both_found(held: float, seed: int) -> None:
+def test_commands_in_lost_rows_half_a_second_apart_are_both_found(
+    held: float, rows: tuple[int, ...], seed: int
+) -> None:
     """As of a lever thrown over and back: held is the share of its change that the log has in a lost row."""
     given = np.zeros((1, 300, 8))
     given[..., 4:] = 0.8
     given[0, :, :2] = -1.5
+    given[0, : ROW - 20, :2] = 0.5
     given[0, ROW : ROW + 5, :2] = 1.5
     sailed = driven([], given, 0.0, seed=seed)
-    gaps = Gap(0, ROW, 1), Gap(0, ROW + 5, 1)
+    gaps = tuple(Gap(0, row, 1) for row in rows)
     log, measured = given.copy(), sailed.measured.copy()
     for gap in gaps:
         log[0, gap.row] = (1.0 - held) * given[0, gap.row - 1] + held * given[0, gap.row]

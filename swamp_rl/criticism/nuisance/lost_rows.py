@@ -53,35 +53,43 @@ def with_best_commands(
     short = [gap for gap in short if changes_in(run_set, gap)]
     if not short:
         return run_set if kept == run_set.gaps else replace(run_set, gaps=kept)
-    readings, needed, ends = list[Reading](), list[float](), [0]
-    for group in _in_one_window(run_set, short):
-        for one in product(*(possible_commands(run_set, gap) for gap in group)):
-            readings.append(tuple((gap, given) for gap, (given, _) in zip(group, one, strict=True)))
-            needed.append(sum(gain for _, gain in one))
-        ends.append(len(readings))
-    problem = _windows_of_each(run_set, weight, readings)
-    _, _, residual = fit_states(problem, hypothesis, x, problem.initial_states(), options().gap_rounds)
-    loss = (residual**2).sum(axis=1) + needed
     commands = run_set.commands.copy()
-    for begin, end in pairwise(ends):
-        for gap, given in readings[begin + int(loss[begin:end].argmin())]:
-            commands[gap.run, gap.row : gap.row + gap.rows] = given
+    for groups in _in_one_window(run_set, short):
+        readings, needed, ends = list[Reading](), list[float](), [0]
+        for group in groups:
+            for one in product(*(possible_commands(run_set, gap) for gap in group)):
+                readings.append(tuple((gap, given) for gap, (given, _) in zip(group, one, strict=True)))
+                needed.append(sum(gain for _, gain in one))
+            ends.append(len(readings))
+        problem = _windows_of_each(replace(run_set, commands=commands), weight, readings)
+        _, _, residual = fit_states(problem, hypothesis, x, problem.initial_states(), options().gap_rounds)
+        loss = (residual**2).sum(axis=1) + needed
+        for begin, end in pairwise(ends):
+            for gap, given in readings[begin + int(loss[begin:end].argmin())]:
+                commands[gap.run, gap.row : gap.row + gap.rows] = given
     return replace(run_set, commands=commands, gaps=kept, filled=tuple(short))
 
 
-def _in_one_window(run_set: RunSet, gaps: Sequence[Gap]) -> list[tuple[Gap, ...]]:
+def _in_one_window(run_set: RunSet, gaps: Sequence[Gap]) -> list[list[tuple[Gap, ...]]]:
     """The gaps, two of them together where the window of one holds the other: apart, each would make up for
-    what the other one has wrong.
+    what the other one has wrong. Then the pairs across these groups, each to be judged beside the commands
+    found before.
     """
-    found = list[tuple[Gap, ...]]()
+    groups = list[tuple[Gap, ...]]()
     around = steps_over(options().around_gap, run_set.dt)
+
+    def near(one: Gap, other: Gap) -> bool:
+        return one.run == other.run and other.row - one.row <= around
+
     for gap in sorted(gaps, key=lambda one: (one.run, one.row)):
-        last = found[-1] if found else ()
-        if len(last) == 1 and last[0].run == gap.run and gap.row - last[0].row <= around:
-            found[-1] = (*last, gap)
+        if groups and len(groups[-1]) == 1 and near(groups[-1][0], gap):
+            groups[-1] = (*groups[-1], gap)
         else:
-            found.append((gap,))
-    return found
+            groups.append((gap,))
+    across: list[tuple[Gap, ...]] = [
+        (one[-1], other[0]) for one, other in pairwise(groups) if near(one[-1], other[0])
+    ]
+    return [groups, across] if across else [groups]
 
 
 def has_instant(run_set: RunSet, gap: Gap) -> bool:
