@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.angles import FULL_TURN, wrapped
+from swamp_rl.counted import counted
 from swamp_rl.doctor.finding import Finding
 from swamp_rl.runs import Run
 from swamp_rl.runs.bad_rows import FEWEST_ROWS
@@ -47,8 +48,8 @@ def seam_findings(runs: Sequence[Run]) -> tuple[list[Finding], list[Run]]:
     if not names:
         return [], divided
     message = (
-        f"is interpolated across its seam, as from 359 to 1 degree through 180, at {len(places)} "
-        f"place{'s' * (len(places) > 1)}, first from {places[0]}"
+        "is interpolated across its seam, as from 359 to 1 degree through 180, at "
+        f"{counted(len(places), 'place')}, first from {places[0]}"
     )
     limit = min(CLEAR * fastest, WITHIN * slowest)
     missing = f"heading=where(abs(turn_rate(heading)) > {limit:.3g}, 0/0, heading)"
