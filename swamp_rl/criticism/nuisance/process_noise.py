@@ -110,10 +110,15 @@ def process_noise_gain(problem: Shooting, at: Fit) -> float:
 
 def measurement_noise_gain(white: Fit, aware: Shooting, at: Fit) -> float:
     """2 log likelihood ratio of Gauss-Markov measurement noise, under which `at` is, to white noise."""
-    if aware.filter is None:
+    return 0.0 if aware.filter is None else white.chi2 - at.chi2 - log_determinant(aware)
+
+
+def log_determinant(problem: Shooting) -> float:
+    """Logarithm of the determinant of the covariance of standardised measurements, 0 for white noise."""
+    if problem.filter is None:
         return 0.0
-    scale = aware.filter.scale
-    return white.chi2 - at.chi2 + 2.0 * float(np.log(scale[scale > 0.0]).sum())
+    scale = problem.filter.scale
+    return -2.0 * float(np.log(scale[scale > 0.0]).sum())
 
 
 @dataclass(frozen=True)

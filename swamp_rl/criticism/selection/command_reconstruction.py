@@ -236,11 +236,20 @@ def _share_step(
 
 def sufficient_reconstruction(continuation: Continuation, at: Fit, logged: RunSet) -> RunSet | None:
     """The runs with reconstructed commands if these alone make a fit to the middle windows adequate."""
+    found = sufficiently_reconstructed(continuation, at, logged)
+    return found[0] if found else None
+
+
+def sufficiently_reconstructed(
+    continuation: Continuation, at: Fit, logged: RunSet
+) -> tuple[RunSet, Fit] | None:
+    """As `sufficient_reconstruction`, with the fit to the middle windows."""
     problem = continuation.problems[MIDDLE]
     if adequacy(problem, at).adequate:
         return None
     other = better_reconstruction(continuation, at, logged)
-    return other if other and adequacy(problem, _refit(problem, other, at)).adequate else None
+    made = _refit(problem, other, at) if other else at
+    return (other, made) if other and adequacy(problem, made).adequate else None
 
 
 def fit_switching_times(

@@ -14,7 +14,11 @@ from swamp_rl.criticism.likelihood.gauss_markov import SIZE, fit_gauss_markov, w
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
-from swamp_rl.criticism.nuisance.process_noise import measurement_noise_gain, process_noise_gain
+from swamp_rl.criticism.nuisance.process_noise import (
+    log_determinant,
+    measurement_noise_gain,
+    process_noise_gain,
+)
 from swamp_rl.criticism.nuisance.smoothed_channels import smoothed_channels
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.selection.backward_elimination import (
@@ -25,7 +29,10 @@ from swamp_rl.criticism.selection.backward_elimination import (
 )
 from swamp_rl.criticism.selection.beam_search import beam_search
 from swamp_rl.criticism.selection.better_commands import is_budget_spent, with_better_commands
-from swamp_rl.criticism.selection.command_reconstruction import sufficient_reconstruction
+from swamp_rl.criticism.selection.command_reconstruction import (
+    sufficient_reconstruction,
+    sufficiently_reconstructed,
+)
 from swamp_rl.criticism.selection.continuation import (
     LAST,
     MIDDLE,
@@ -156,19 +163,18 @@ def _with_reconstruction(
 
 
 def _beside_position_noise(continuation: Continuation, winner: Fit, noise: Array) -> Fit | None:
-    """The simplest hypothesis whose residual on the middle windows is position noise alone, as it stands or
-    with reconstructed commands: the boat file, the likeliest single effect, the best of whole runs, the
+    """The likeliest hypothesis whose residual on the middle windows is position noise alone, as it stands or
+    with reconstructed commands, of the boat file, the likeliest single effect, the best of whole runs and the
     winner; or None. noise: (6, 3) beside the winner, which is not position noise alone.
     """
     every = [continuation.boat_file(MIDDLE), _likeliest_single(continuation)]
     every += [best_on_whole_runs(continuation, winner), winner]
-    simplest_first = {one.hypothesis.label: one for one in every if one}
-    for one in simplest_first.values():
-        known = one is winner
-        source, beside = (None, noise) if known else _residual_noise(continuation, one, MIDDLE)
-        if source == "measurement" or _is_left_by_commands(continuation, one, beside):
-            return one
-    return None
+    distinct = {one.hypothesis.label: one for one in every if one}.values()
+    judged = [
+        _criterion_beside_noise(continuation, one, noise if one is winner else None) for one in distinct
+    ]
+    least, likeliest = min(zip(judged, distinct, strict=True), key=lambda pair: pair[0])
+    return likeliest if np.isfinite(least) else None
 
 
 def _likeliest_single(continuation: Continuation) -> Fit | None:
@@ -181,17 +187,26 @@ def _likeliest_single(continuation: Continuation) -> Fit | None:
     return min(every, key=continuation.criterion, default=None)
 
 
-def _is_left_by_commands(continuation: Continuation, at: Fit, noise: Array) -> bool:
-    """Whether a hypothesis leaves white noise on the middle windows beside the position part of a noise
-    (6, 3) and with reconstructed commands, but not with the logged ones.
+def _criterion_beside_noise(continuation: Continuation, at: Fit, noise: Array | None) -> float:
+    """Criterion of a hypothesis on the middle windows under the position noise beside it, with the
+    determinant of that noise and the cost of reconstructed commands; infinite if its residual is more than
+    position noise, and not white beside that with reconstructed commands either.
+
+    noise: (6, 3) beside it, where that is known and not of positions alone.
     """
-    slow = _only_positions(noise)
+    source, beside = _residual_noise(continuation, at, MIDDLE) if noise is None else ("process", noise)
+    slow = _only_positions(beside)
     if not (slow[:, SIZE] > 0).any():
-        return False
+        return np.inf
     noisy = replace(continuation.run_set, gauss_markov=slow)
-    beside = continuation_of(noisy, continuation.problems[0].weight)
-    made = fit_by_continuation(beside, at.hypothesis, at.x)
-    return sufficient_reconstruction(beside, made, noisy) is not None
+    again = continuation_of(noisy, continuation.problems[0].weight)
+    made, cost = fit_by_continuation(again, at.hypothesis, at.x), 0.0
+    if source != "measurement":
+        other = sufficiently_reconstructed(again, made, noisy)
+        if other is None:
+            return np.inf
+        made, cost = other[1], other[0].instants_cost
+    return again.criterion(made) + cost + log_determinant(again.problems[MIDDLE])
 
 
 def _of_positions_alone(noise: Array) -> bool:
