@@ -208,7 +208,7 @@ class Options:
     most_lost_rows: int = 60  # of a run, beyond which none is tried
     unlogged_limit: float = 2.0  # reaches, largest change
     # ---- Elimination and rivals
-    separation: float = 9.0  # of the information criterion, below which two hypotheses are indistinguishable
+    strong_evidence: float = 6.0  # of the criterion, else indistinguishable (Kass and Raftery 1995)
     separation_general: float = 3.0  # the same for a generalisation of the best: 1 % by chance
     compared: float = 40.0  # the same on shorter windows, above which longer ones are not compared
     clearly: float = 50.0  # of the criterion, more than longer windows change a comparison by
@@ -366,7 +366,6 @@ class Options:
     # ---- Candidates in the report
     listed: int = 20  # hypotheses that were fitted
     # ---- Printed figures
-    strong_evidence: float = 6.0  # of -2 log marginal likelihood (Kass and Raftery 1995)
     figures_level: float = 0.95  # of chi2, below which a model is adequate
     least_change: float = 0.01  # errors by which a candidate must change some figure to be identifiable
     figure_starts: int = 2  # of a fit

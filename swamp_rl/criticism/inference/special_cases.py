@@ -64,7 +64,7 @@ def _predicts_as_well(
     larger = [one for one in shares if not one.without <= one.with_cause]
     criterion, pair = continuation.criterion, (plain, found.winner)
     by_chance = moves_less_than_noise(larger or shares, noise)
-    if by_chance and criterion(plain) > criterion(found.winner) + options().separation:
+    if by_chance and criterion(plain) > criterion(found.winner) + options().strong_evidence:
         return False
     if not larger:
         return bool(shares)

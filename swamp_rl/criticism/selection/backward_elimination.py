@@ -124,7 +124,7 @@ def _with_rivals(
     best, rivals, stage = compare(continuation, plain, [*found.tried, *special], found.stage)
     less = pruned(continuation, best, stage)
     if less is not best and continuation.is_adequate(stage, less):
-        least = continuation.criterion(less) + options().separation
+        least = continuation.criterion(less) + options().strong_evidence
         best, rivals = less, [one for one in rivals if continuation.criterion(one) < least]
     best = with_special_cases(continuation, best, instances, stage)
     rivals = [with_special_cases(continuation, one, instances, stage) for one in rivals]
@@ -361,7 +361,7 @@ def compare(
         stage = 1
         every = [continuation.at(stage, one) for one in every]
     every.sort(key=criterion)
-    close = [one for one in every[1:] if criterion(one) < criterion(every[0]) + options().separation]
+    close = [one for one in every[1:] if criterion(one) < criterion(every[0]) + options().strong_evidence]
     apart = {one.hypothesis.cause_label: one for one in reversed(close)}
     apart.pop(every[0].hypothesis.cause_label, None)
     return every[0], sorted(apart.values(), key=criterion), stage

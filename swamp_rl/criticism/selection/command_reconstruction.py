@@ -135,7 +135,7 @@ def reconstruction_without_timing(continuation: Continuation, at: Fit, logged: R
         return None
     plain = fit(problem, less, x, at.states, options().again_steps)
     most = continuation.criterion(at) + problem.run_set.instants_cost
-    most += options().separation - continuation.criterion.charge(less)
+    most += options().strong_evidence - continuation.criterion.charge(less)
     share, shared = fit_common_share(problem, plain, logged)
     other = interpolated(logged, share)
     changes = not np.array_equal(other.commands, problem.run_set.commands)
@@ -357,6 +357,6 @@ def is_simpler(before: Continuation, found: Selection, after: Continuation, agai
     windows that are no shorter.
     """
     fewer = len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
-    least = -options().separation if fewer else options().reconstruction_gain
+    least = -options().strong_evidence if fewer else options().reconstruction_gain
     reaches = again.adequate and again.stage >= found.stage
     return reaches and _saved(before, found, after, again) > least
