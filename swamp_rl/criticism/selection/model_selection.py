@@ -110,7 +110,7 @@ def _with_its_noise(
     if source is None and stage == MIDDLE and correlated_noise(continuation, winner, LAST) == "measurement":
         source = "measurement"  # slower than the middle windows are long
     if source != "measurement" and not found.adequate:
-        other = _beside_position_noise(continuation, winner, noise)
+        other = likeliest_beside_position_noise(continuation, winner, noise)
         winner, source = (other, "measurement") if other else (winner, source)
     if source == "measurement":
         again = _with_position_noise(*given, continuation, winner, options().step_budget_again)
@@ -162,7 +162,7 @@ def _with_reconstruction(
     return better
 
 
-def _beside_position_noise(continuation: Continuation, winner: Fit, noise: Array) -> Fit | None:
+def likeliest_beside_position_noise(continuation: Continuation, winner: Fit, noise: Array) -> Fit | None:
     """The likeliest hypothesis whose residual on the middle windows is position noise alone, as it stands or
     with reconstructed commands, of the boat file, the likeliest single effect, the best of whole runs and the
     winner; or None. noise: (6, 3) beside the winner, which is not position noise alone.
