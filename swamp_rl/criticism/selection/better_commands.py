@@ -56,18 +56,22 @@ def _searched_again(
     hull: EffectInstance | None,
     spent: bool,
 ) -> Selection | None:
-    """The result with the commands of an attempt, those of `wider`, or None where that is not accepted."""
+    """The result with the commands of an attempt, those of `wider`, or None where that is not accepted. The
+    effects beside which those were found are judged alone where a search with them has ended with others: an
+    effect more would absorb what the commands leave.
+    """
     _, kept, accepts = attempt
     if accepts is is_better and is_refuted(continuation, found, wider):
         return None
-    if accepts is is_noise_on_whole_runs:  # an effect more would absorb what the instants leave
-        every = [*instances, *([hull] if hull else [])]
-        best = fit_by_continuation(wider, *kept)
-        again = conclude(wider, best, [], found.first, found.unidentifiable, every)
-    else:
+    if accepts is not is_noise_on_whole_runs:
         previous = [continuation.fit(stage, *kept) for stage in (0, MIDDLE)]
         budget = 0.0 if spent else options().step_budget_again  # no search, but the effects that are kept
         again = beam_search(wider, instances, hull, budget, None, previous)
+        accepted = accepts(continuation, found, wider, again)
+        if accepted or accepts is is_better:
+            return again if accepted else None
+    every = [*instances, *([hull] if hull else [])]
+    again = conclude(wider, fit_by_continuation(wider, *kept), [], found.first, found.unidentifiable, every)
     return again if accepts(continuation, found, wider, again) else None
 
 
