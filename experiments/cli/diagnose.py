@@ -286,10 +286,13 @@ def disturbances(
     ] = None,
 ) -> None:
     """Write a diagnosis, with its standard errors, as disturbances for training."""
-    from swamp_rl.experiments.config.posterior import write_posterior
+    from swamp_rl.experiments.config.posterior import diagnosed_boat, write_posterior
 
     level = write_posterior(diagnosis, out, among)
-    typer.echo(f"{out}: {', '.join(entry['effect'] for entry in level['effects'])}")
+    boat = diagnosed_boat(diagnosis)
+    has = "not its extended file, which has these effects already"
+    suited = "" if boat is None else f"; for boat {boat}, {has}"
+    typer.echo(f"{out}: {', '.join(entry['effect'] for entry in level['effects'])}{suited}")
 
 
 def simulate_windows(

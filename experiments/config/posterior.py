@@ -1,7 +1,9 @@
 """The posterior of a diagnosis as a level of disturbance, to train pilots with randomised parameters."""
 
 import math
+import os
 from collections.abc import Sequence
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +20,7 @@ from swamp_rl.effects.levels import Level, level_of, read_level
 from swamp_rl.effects.random_entry import COMPONENTS, RandomEntry
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
-from swamp_rl.files import write_yaml
+from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.json_text import model_in
 from swamp_rl.ordinary import MOST_JSON, contents
 from swamp_rl.printed_figures.result import FiguresDiagnosis
@@ -35,29 +37,43 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     its standard error is meaningless. What differs between runs is drawn for another run: from the normal
     distribution of the runs, a vector by component, its variance that of the runs and of their mean. among: a
     level whose start, other effects, and the same effects of other thrusters are included, in proportion to
-    the boat of the `extended_boat.yaml` beside the diagnosis. UserError where the diagnosis cannot be read or
-    names no cause, or that level cannot be read, has correlations of its own, or an effect of `all` thrusters
-    that the diagnosis has of one.
+    the boat of the `extended_boat.yaml` beside the diagnosis. A cause that does not carry over to held-out
+    runs is left out, as it is of that file. UserError where the diagnosis cannot be read or has no cause
+    left, or that level cannot be read, has correlations of its own, or an effect of `all` thrusters that
+    the diagnosis has of one.
     """
     found = _read(diagnosis)
-    if not found.causes:
-        raise UserError(f"{diagnosis}: names no cause, so there is nothing to draw; train in the boat itself")
+    if not any(cause.carries_over for cause in found.causes):
+        none = "none that carries over to held-out runs" if found.causes else "no cause"
+        raise UserError(f"{diagnosis}: names {none}, so there is nothing to draw; train in the boat itself")
     below, level_below = ({}, None) if among is None else _in_proportion(among, diagnosis.parent)
     if level_below and level_below.correlated:
         raise UserError(f"{among}: has correlated numbers of its own; name a level without them")
-    causes = (*found.causes, *found.nuisance)
+    every = (*found.causes, *found.nuisance)
+    causes = [cause for cause in every if cause.carries_over]
     entries = [_entry(cause, diagnosis) for cause in causes]
     pairs = zip(below.get("effects", []), level_below.entries, strict=True) if level_below else ()
     others = [kept for entry, read in pairs if (kept := _other_thrusters(entry, read, causes, f"{among}"))]
     beside = f", among the disturbances of {Path(among).stem}" if among else ""
     level = below | {
-        "description": f"result of a diagnosis, with its standard errors{beside}",
+        "description": f"result of a diagnosis, with its standard errors{beside}; for the boat that was "
+        f"diagnosed: {BOAT} has these effects already",
         "effects": entries + others,
-        **_correlated(entries, found.correlation),
+        **_correlated(entries, _carried(found.correlation, every)),
     }
     level_of(level, f"{diagnosis}")
     write_yaml(out, level)
     return level
+
+
+def diagnosed_boat(diagnosis: Path) -> str | None:
+    """The boat of a diagnosis, by name or file, by the `extended_boat.yaml` beside it; None if none."""
+    extended = diagnosis.parent / BOAT
+    base = read_yaml(extended).get("extends") if extended.is_file() else None
+    if not isinstance(base, str):
+        return None
+    beside = Path(os.path.normpath(diagnosis.parent / base))
+    return str(beside) if beside.is_file() else base
 
 
 def _in_proportion(among: str, folder: Path) -> tuple[dict[str, Any], Level]:
@@ -146,6 +162,13 @@ def _between_runs(cause: Cause, size: str, direction: str) -> dict[str, Any]:
         ends = [mean - reach, mean + reach]
         drawn[name] = {"normal": [mean, deviation, *ends]} if deviation > 0.0 else mean
     return drawn
+
+
+def _carried(matrix: list[list[float]], causes: Sequence[Cause]) -> list[list[float]]:
+    """The correlations of the parameters of the causes that carry over."""
+    stays = [cause.carries_over for cause in causes for _ in cause.parameters]
+    rows = [list(compress(row, stays)) for row in compress(matrix, stays)]
+    return rows if len(matrix) == len(stays) else []
 
 
 def _correlated(entries: list[dict[str, Any]], matrix: list[list[float]]) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from swamp_rl.experiments.config.made import made_of
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.training.coverage import calm_warning, warning
+from swamp_rl.experiments.training.effects_twice import effects_twice
 from swamp_rl.experiments.training.reaction import reaction_warning
 from swamp_rl.experiments.training.run_faults import run_faults
 from swamp_rl.experiments.training.tracking import tracked
@@ -66,20 +67,21 @@ def get_data(scene: Scene, folder: Path, progress: Stages) -> Dataset:
 
 
 def notes(scene: Scene, dataset: Dataset) -> list[str]:
-    """What limits the pilots that learn from `dataset`, one line each: its boat and faults of its runs, then
-    by pilot starts and disturbances of the evaluation that its runs lack."""
+    """What limits the pilots that learn from `dataset`, one line each: effects that act twice, its boat and
+    faults of its runs, then by pilot starts and disturbances of the evaluation that its runs lack."""
     by_pilot = (_notes_on(scene, name, dataset) for name in scene.experiment.pilots)
     return [*_notes_on_data(scene, dataset), *(line for lines in by_pilot for line in lines)]
 
 
 def _notes_on_data(scene: Scene, dataset: Dataset) -> list[str]:
     ours, theirs = scene.boat, dataset.boat
-    found = run_faults(scene, dataset)
+    twice, found = effects_twice(scene), run_faults(scene, dataset)
     if boat_digest(theirs) == boat_digest(ours):
-        return found
+        return [*twice, *found]
     other = "another version of boat" if theirs.name == ours.name else "boat"
     name = scene.experiment.name
     return [
+        *twice,
         f"{dataset.folder}: recorded with {other} {theirs.name}, experiment {name} has {ours.name}",
         *found,
     ]

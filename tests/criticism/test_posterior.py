@@ -118,6 +118,17 @@ def test_components_that_are_no_vector_are_refused(entry: dict[str, Any], messag
         load_disturbances([{"effect": "wind", **entry}], BOAT.thruster_names)
 
 
+def test_a_cause_that_does_not_carry_over_is_left_out_with_its_correlations(tmp_path: Path) -> None:
+    matrix = [[1.0, 0.9, 0.2], [0.9, 1.0, 0.3], [0.2, 0.3, 1.0]]
+    failed = WEAK | {"carries_over": False}
+    path = diagnosis(tmp_path, failed, CURRENT, correlation=matrix)
+    level = write_posterior(path, tmp_path / "found.yaml")
+    assert [entry["effect"] for entry in level["effects"]] == ["current"]
+    assert level["correlated"] == {"numbers": ["0.north", "0.east"], "matrix": [[1.0, 0.3], [0.3, 1.0]]}
+    with pytest.raises(UserError, match="names none that carries over to held-out runs"):
+        write_posterior(diagnosis(tmp_path, failed), tmp_path / "other.yaml")
+
+
 def test_nothing_is_drawn_beyond_the_bounds_of_an_effect(tmp_path: Path) -> None:
     write_posterior(diagnosis(tmp_path, WEAK), tmp_path / "found.yaml")
     level = load_disturbances(tmp_path / "found.yaml", BOAT.thruster_names)

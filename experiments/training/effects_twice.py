@@ -1,0 +1,41 @@
+"""Effects of a level of disturbance that the boat file has already."""
+
+from collections.abc import Sequence
+
+from swamp_rl.experiments.config.named_files import levels_of
+from swamp_rl.experiments.config.scene import Scene
+
+from swamp_rl.effects.apply import selected
+from swamp_rl.effects.entries import EffectEntry
+from swamp_rl.effects.levels import read_level
+from swamp_rl.effects.random_entry import RandomEntry
+from swamp_rl.simulator.reference import size_of
+
+
+def effects_twice(scene: Scene) -> list[str]:
+    """One line for each level with effects that the boat has too and that add up or multiply: both act.
+
+    So does the level that `swamp-rl disturbances` writes of a diagnosis, on the boat that this extended.
+    """
+    boat, lines = scene.boat, list[str]()
+    for level, key in levels_of(scene.experiment).items():
+        entries = read_level(level, size_of(boat), boat.thruster_names)[1].entries
+        twice = [own for own in boat.effects if any(_adds(own, one, boat.thruster_names) for one in entries)]
+        if twice:
+            lines.append(
+                f"{key}: {level}: {', '.join(map(_label, twice))}: acts beside that of boat {boat.name}; "
+                "name the boat without it, or a level without it"
+            )
+    return lines
+
+
+def _adds(own: EffectEntry, other: RandomEntry, names: Sequence[str]) -> bool:
+    if own.effect is not other.effect or own.effect.combine == "replace":
+        return False
+    mine = selected(own.thruster, names)
+    return any((mine & selected(one, names)).any() for one in other.selectors)
+
+
+def _label(entry: EffectEntry) -> str:
+    thrusters = [entry.thruster] if isinstance(entry.thruster, str) else list(entry.thruster or ())
+    return " ".join([entry.effect.name, *thrusters])
