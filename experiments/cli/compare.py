@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from swamp_rl.experiments.cli.options import seed_option
@@ -11,8 +11,13 @@ from swamp_rl.experiments.cli.outputs import mark_of, refuse_to_replace
 from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 
+if TYPE_CHECKING:
+    from rich.table import Table
+
 FOLDER, PAGE = Path("comparison"), Path("leaderboard.html")
 DATA = "compare.json"
+MOST_DIFFERENCES = 40
+"Rows of paired differences on the screen; more are in the files alone."
 
 
 def compare(
@@ -30,6 +35,12 @@ def compare(
             help="Folder of compare.md and compare.json (comparison), or the page (leaderboard.html)."
         ),
     ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PILOT", help="Compare this pilot alone, of each result; repeatable. All by default."
+        ),
+    ] = None,
     seed: Annotated[int, seed_option("Seed of the bootstrap and the permutation test.")] = 0,
 ) -> None:
     """Compare pilots on the same episodes, with intervals and p-values (Holm), or rank them on a page."""
@@ -38,6 +49,8 @@ def compare(
     if (leaderboard is None) == (not results):
         raise UserError("compare: name folders of results, or one folder with --leaderboard, but not both")
     if leaderboard is not None:
+        if only:
+            raise UserError("--only: names pilots of a comparison; a leaderboard has them all")
         from swamp_rl.experiments.reports.leaderboard import gather, page
 
         place = out or PAGE
@@ -55,20 +68,19 @@ def compare(
 
     folder = out or FOLDER
     with folder_beside(folder, replaces=DATA) as part:
-        comparison = compared(results or [], seed)
+        comparison = compared(results or [], seed, only or [])
         write_text(part / DATA, json.dumps(comparison, indent=2, allow_nan=False) + "\n")
         write_text(part / "compare.md", report(comparison))
-    print_comparison(comparison)
+    print_comparison(comparison, folder)
     typer.echo(f"{folder}: compare.md, compare.json")
 
 
-def print_comparison(found: dict[str, Any]) -> None:
-    """Success and the paired differences of it, as tables for the terminal."""
+def print_comparison(found: dict[str, Any], folder: Path) -> None:
+    """Success and the paired differences of it, as tables for the terminal, where they are not too many."""
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
     from rich.table import Table
-    from swamp_rl.experiments.reports.comparison import DIFFERENCE_HEADS, heads, p_value, rows
-    from swamp_rl.experiments.reports.experiment import difference
+    from swamp_rl.experiments.reports.comparison import heads, rows
 
     console = Console(markup=False)
     table = Table(title="success [%], 95 % intervals", box=SIMPLE_HEAD)
@@ -78,15 +90,31 @@ def print_comparison(found: dict[str, Any]) -> None:
         for level, rate in zip(heads(found)[2:], row[2:], strict=True):
             table.add_row(*row[:2], level, rate)
     console.print(table)
+    paired = [row for row in found["differences"] if row["quantity"] == "success"]
+    if len(paired) > MOST_DIFFERENCES:
+        console.print(
+            f"{len(paired)} paired differences: see {folder}/compare.md, or name pilots with --only; p is "
+            "corrected for fewer comparisons then",
+            soft_wrap=True,
+        )
+    else:
+        console.print(_differences(paired))
+    for note in found["notes"]:
+        console.print(note)
+
+
+def _differences(paired: list[dict[str, Any]]) -> "Table":
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from swamp_rl.experiments.reports.comparison import DIFFERENCE_HEADS, p_value
+    from swamp_rl.experiments.reports.experiment import difference
+
     table = Table(title="success, paired differences [%]", box=SIMPLE_HEAD)
     for head in ("difference", "level"):
         table.add_column(head)
     for head in DIFFERENCE_HEADS:
         table.add_column(head, justify="right")
-    for row in found["differences"]:
-        if row["quantity"] == "success":
-            pair = f"{row['a']} − {row['b']}"
-            table.add_row(pair, row["level"], difference(row["quantity"], row), p_value(row["p_corrected"]))
-    console.print(table)
-    for note in found["notes"]:
-        console.print(note)
+    for row in paired:
+        pair = f"{row['a']} − {row['b']}"
+        table.add_row(pair, row["level"], difference(row["quantity"], row), p_value(row["p_corrected"]))
+    return table

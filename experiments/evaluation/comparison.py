@@ -36,6 +36,7 @@ from swamp_rl.evaluation import (
     with_episodes,
 )
 from swamp_rl.evaluation.permutation import RESAMPLES
+from swamp_rl.explain import nearest
 
 Array = NDArray[np.float64]
 Episodes = Mapping[str, NDArray[np.int64]]
@@ -50,13 +51,17 @@ FINEST = 40
 "The smallest p-value that is drawn is a 40th of the level over the number of comparisons, or smaller."
 
 
-def compare(paths: Sequence[Path], seed: int = 0) -> dict[str, Any]:
-    """Everything of compare.json; `seed` of all that is drawn. UserError for what does not compare."""
+def compare(paths: Sequence[Path], seed: int = 0, only: Sequence[str] = ()) -> dict[str, Any]:
+    """Everything of compare.json; `seed` of all that is drawn. only: names of the pilots, all by default.
+
+    UserError for what does not compare.
+    """
     results = [read_result(folder) for folder in find_results(paths)]
     refuse_other_settings(results)
     rng = np.random.default_rng(seed)
     episodes, notes = common_episodes(results)
-    pilots = entrants(results)
+    every = entrants(results)
+    pilots = named(every, only)
     quantities = quantities_of(results)
     planned = math.comb(len(pilots), 2) * len(episodes) * len(quantities)
     pairs = list(combinations(pilots, 2))
@@ -69,13 +74,26 @@ def compare(paths: Sequence[Path], seed: int = 0) -> dict[str, Any]:
         "boat": first.experiment.get("boat"),
         "course": first.experiment.get("course"),
         "levels": {level: len(seeds) for level, seeds in episodes.items()},
-        "notes": notes + repeat_notes(results, pilots) + version_notes(results),
+        "notes": notes + repeat_notes(results, every) + version_notes(results),
         "seed": seed,
         "pilots": [pilot_row(pilot, episodes, rng, quantities) for pilot in pilots],
         "comparisons": sum(math.isfinite(row["p"]) for row in made),
         "differences": [without_nan(row) for row in made],
         "improvement": [_improvement(a, b, episodes, rng) for a, b in pairs],
     }
+
+
+def named(pilots: list[Entrant], only: Sequence[str]) -> list[Entrant]:
+    """The pilots of the names `only`, in the results or in the report; all where there are no names.
+
+    UserError for a name that none has.
+    """
+    names = [{one.label, one.pilot, *(pilot for pilot, _ in one.trained)} for one in pilots]
+    for name in only:
+        if not any(name in known for known in names):
+            every = list(dict.fromkeys(one.pilot for one in pilots))
+            raise UserError(f"no pilot {name!r} in the results{nearest(name, every)}")
+    return [one for one, known in zip(pilots, names, strict=True) if not only or known & set(only)]
 
 
 def quantities_of(results: Sequence[Result]) -> tuple[str, ...]:

@@ -26,6 +26,32 @@ def test_two_folders_become_a_table_and_two_files(tmp_path: Path) -> None:
     assert "Probability of improvement" not in text  # there is one of each
 
 
+def test_only_the_named_pilots_are_compared_and_corrected_for(tmp_path: Path) -> None:
+    wins = {"reservoir": 43, "ppo": 40, "clone-1": 30, "clone-2": 20}
+    folders = [
+        folder_of(tmp_path / name, {one: np.arange(50) < n + more for one, n in wins.items()}, ridge=more)
+        for name, more in (("one", 0), ("two", 7), ("three", 3))
+    ]
+    out = tmp_path / "out"
+    asked = ["compare", *map(str, folders), "--out", str(out)]
+    run = CliRunner().invoke(app, asked)
+    assert "66 paired differences: see" in run.output and "p (Holm)" not in run.output
+    before = json.loads((out / "compare.json").read_text())
+    run = CliRunner().invoke(app, [*asked, "--only", "reservoir"])
+    assert "reservoir (one) − reservoir" in run.output and "ppo" not in run.output
+    found = json.loads((out / "compare.json").read_text())
+    pair = ("reservoir (one)", "reservoir (two)", "success")
+    was, now = (
+        next(row for row in one["differences"] if (row["a"], row["b"], row["quantity"]) == pair)
+        for one in (before, found)
+    )
+    assert now["p"] == was["p"] and now["p_corrected"] < was["p_corrected"] / 4.0
+    run = CliRunner().invoke(app, [*asked, "--only", "reservor"])
+    assert str(run.exception).startswith("no pilot 'reservor' in the results; did you mean 'reservoir'?")
+    run = CliRunner().invoke(app, ["compare", "--leaderboard", str(tmp_path), "--only", "reservoir"])
+    assert "a leaderboard has them all" in str(run.exception)
+
+
 def test_each_interval_and_p_value_says_whether_it_is_corrected(tmp_path: Path) -> None:
     folders = [
         folder_of(tmp_path / name, {name: np.arange(50) < n}) for name, n in (("ppo", 45), ("reservoir", 20))
