@@ -36,6 +36,11 @@ def export(
     difference = greatest_difference(loaded, out, rng)
     typer.echo(f"{out}: greatest difference of an action from NumPy's {difference:.1e}")
     exported = OnnxPilot(out)
+    if exported.wants_first:
+        typer.echo(
+            f"{out}: takes over from another pilot, whose actions are its input first_levers until then; "
+            f"evaluate, helm and demo take {folder}, not this file"
+        )
     exported.reset(1)
     loaded.reset(1)
     first = np.zeros((1, 2)) if exported.wants_first else None

@@ -250,15 +250,21 @@ def _inspect_run(
 
 
 def _unknown(runs: Sequence[Run], boat: Boat | None) -> list[str]:
-    """A line for each column that the format does not know, but for positions that a run's origin is of."""
+    """Columns that the format does not know, but for positions that a run's origin is of: a line for all of
+    the same files."""
     files: dict[str, list[str]] = {}
     for run in runs:
         known = GEODETIC if origin_of(run.meta.model_extra or {}) else ()
         for name in unknown_columns([one for one in run.columns if one not in known], boat):
             files.setdefault(name, []).append(str(run.meta.file))
+    of_files: dict[tuple[str, ...], list[str]] = {}
+    for name, every in files.items():
+        of_files.setdefault(tuple(every), []).append(name)
     return [
-        f"{and_others(every)}: column {name} is not in the run format; kept as it is"
-        for name, every in files.items()
+        f"{and_others(every)}: column {names[0]} is not in the run format; kept as it is"
+        if len(names) == 1
+        else f"{and_others(every)}: columns {', '.join(names)} are not in the run format; kept as they are"
+        for every, names in of_files.items()
     ]
 
 

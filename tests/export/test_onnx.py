@@ -45,6 +45,16 @@ def test_the_exported_step_is_the_numpy_step_to_the_last_digits(name: str, tmp_p
     assert greatest_difference(pilot, tmp_path / "pilot.onnx", np.random.default_rng(1)) < limit
 
 
+def test_the_command_says_that_the_file_of_a_takeover_needs_another_pilot(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, said in (("takeover", True), ("reservoir", False)):
+        save_pilot(pilots()[name], tmp_path / name)
+        export(tmp_path / name, tmp_path / f"{name}.onnx")
+        told = f"evaluate, helm and demo take {tmp_path / name}, not this file"
+        assert (told in capsys.readouterr().out) is said
+
+
 @settings(max_examples=10)
 @given(
     seed=strategies.integers(0, 2**31),
