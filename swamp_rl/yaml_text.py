@@ -60,15 +60,22 @@ class _Dumper(getattr(yaml, "CSafeDumper", yaml.SafeDumper)):  # type: ignore[mi
 
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Any, Any]:
     seen = set()
-    for key, _ in node.value:
+    for key, value in node.value:
         if key.tag == "tag:yaml.org,2002:merge" or not isinstance(key, yaml.ScalarNode):
             continue
+        if node.flow_style and key.tag in _NUMBERS and _is_left_out(value):  # {gain: 0,5}
+            problem = f"{key.value} is no key; a comma ends a value: write decimals with a point, as 0.5"
+            raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
         if key.value in seen:
             problem = f"key {clipped(key.value)!r} is given twice"
             raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
         seen.add(key.value)
     loader.flatten_mapping(node)
     return loader.construct_mapping(node, deep=True)
+
+
+def _is_left_out(value: yaml.Node) -> bool:
+    return isinstance(value, yaml.ScalarNode) and value.start_mark.index == value.end_mark.index
 
 
 _Loader.add_constructor("tag:yaml.org,2002:map", _mapping)
@@ -165,7 +172,9 @@ def _refuse_odd_number(event: yaml.ScalarEvent) -> None:
         if _RESOLVER.resolve(yaml.ScalarNode, event.value, (True, False)) in _NUMBERS:
             raise _problem(event, f"a number of more than {LONGEST_NUMBER} characters")
     elif _AMBIGUOUS.match(event.value):
-        message = "is read differently by versions of YAML; write a decimal number, or text in quotes"
+        message = (
+            "is read differently by versions of YAML; write a decimal number, with a point, or text in quotes"
+        )
         raise _problem(event, f"{event.value} {message}")
 
 

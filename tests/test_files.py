@@ -189,6 +189,7 @@ def test_a_number_with_an_exponent_is_a_number(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("a: {b: 0,5, c: 1}", "line 1, column 10: malformed YAML: 5 is no key; a comma ends a value: write"),
         ("a: 1\nb: 2\na: 3\n", "line 3, column 1: malformed YAML: key 'a' is given twice"),
         ("a: [1\n", "malformed YAML"),
         ("- 1\n", "holds a list; it must be a mapping"),

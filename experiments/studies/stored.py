@@ -85,12 +85,15 @@ def _of_results(home: Path, asked: Mapping[str, Any], overrides: Iterable[str], 
     with same_configs(home / CONFIG):
         kept = load_experiment(home)
         experiment = overridden(home, kept, asked, overrides)
-        fixed = set(Experiment.model_fields) - set(CHANGEABLE)
-        if any(getattr(experiment, key) != getattr(kept, key) for key in fixed):
-            raise UserError(f"{home}: only {' and '.join(CHANGEABLE)} can be set, nothing is trained again")
         there = [name for name in kept.pilots if _is_pilot(home / "pilots" / name)]
         if not there:
             _refuse_none(home, "train them with swamp-rl train")
+        fixed = set(Experiment.model_fields) - set(CHANGEABLE)
+        if any(getattr(experiment, key) != getattr(kept, key) for key in fixed):
+            raise UserError(
+                f"{home}: only {' and '.join(CHANGEABLE)} can be set, nothing is trained again; to drive "
+                f"another boat or course, name the pilots: {home / 'pilots' / there[0]}"
+            )
         for name in there:
             load_pilot(home / "pilots" / name)  # a damaged one is refused now, and not from a copy
         same = experiment == kept and ((home / TRAINED).is_file() or len(there) == len(kept.pilots))

@@ -224,6 +224,8 @@ def test_what_would_need_training_or_is_not_there_is_refused_in_one_line(place: 
         return str(error.value)
 
     assert "nothing is trained again" in complaint([place / "run"], {}, ["pilots.net.options.epochs=9"])
+    way = f"to drive another boat or course, name the pilots: {place / 'run' / 'pilots'}"
+    assert way in complaint([place / "run"], {}, ["boat=swamp-light"])
     assert "did you mean 'episodes'" in complaint([place / "run"], {}, ["evaluation.episods=9"])
     assert "no such folder" in complaint([place / "nowhere"], {})
     damaged = tmp_path / "damaged"
