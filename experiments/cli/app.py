@@ -260,6 +260,7 @@ def _carried_out(signals: list[int]) -> tuple[int, str]:
     """The exit code of what the command line asks for, and what to complain of; signals: those that came."""
     try:
         _refuse_odd_arguments()
+        sys.argv[1:] = map(_from_home, sys.argv[1:])
         _refuse_settings_here()
         _refuse_environment()
         return app(prog_name=NAME, standalone_mode=False) or 0, ""
@@ -317,6 +318,13 @@ def _refuse_odd_arguments() -> None:
             raise UserError(
                 f"{word}: has bytes that are no text in {coding}; set LC_ALL=C.UTF-8, or rename it"
             )
+
+
+def _from_home(word: str) -> str:
+    """A word with the home folder in place of a ~ before its path, or before that of `--out=PATH` and
+    `boat=PATH`: shells leave these as they are, and a folder of the name ~ would be made."""
+    found = re.fullmatch("([^/~]*=)?(~/.*)", word)
+    return (found[1] or "") + os.path.expanduser(found[2]) if found else word
 
 
 def _refuse_settings_here() -> None:

@@ -62,6 +62,20 @@ def test_an_output_is_what_its_suffix_says(call: Call, words: str, message: str)
     assert not list(Path().iterdir())
 
 
+@pytest.mark.parametrize("words", [("--out=~/sea",), ("--out", "~/sea"), ("--set=name=x", "--out=~/sea=1")])
+def test_the_home_folder_is_written_to_and_no_folder_named_tilde_is_made(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...]
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    home = tmp_path / "home"
+    home.mkdir()
+    (home / "boat.yaml").write_text("extends: swamp\nname: boat\n")
+    asked = ("train", "smoke", "--only", "line-of-sight", "--set", "boat=~/boat.yaml")
+    assert call(*asked, *words)[0] == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["home"]
+    assert (home / words[-1].rpartition("~/")[2] / "pilots").is_dir()
+
+
 def test_a_file_that_is_read_is_not_replaced(call: Call, dataset: dict[str, str]) -> None:
     Path("apart").mkdir()
     Path("apart/run.parquet").write_bytes(Path("runs/run-001.parquet").read_bytes())
