@@ -194,7 +194,7 @@ def _begin(part: Path, description: Mapping[str, bytes], continues: Callable[[Pa
         )
     for link in [found for found in part.rglob("*") if found.is_symlink()]:
         link.unlink()
-    other = _differences(part, description)
+    other = differences(part, description)
     finished = _finished(part, description) if other else []
     if finished and not continues(part):
         raise UserError(
@@ -213,7 +213,7 @@ def _begin(part: Path, description: Mapping[str, bytes], continues: Callable[[Pa
                 file.write_bytes(held)
 
 
-def _differences(part: Path, description: Mapping[str, bytes]) -> list[str]:
+def differences(part: Path, description: Mapping[str, bytes]) -> list[str]:
     """For each file of `description` that holds something else in `part`, its first line that differs."""
     found = []
     for name, now in description.items():

@@ -27,6 +27,7 @@ from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
 from swamp_rl.json_text import read_json
+from swamp_rl.unfinished import differences
 
 Work = Callable[[Scene, Path, Stages], dict[str, Any]]
 KEPT = "not replaced; name another folder with --out, or remove this one"
@@ -137,6 +138,10 @@ def _earlier(folder: Path, scene: Scene) -> Path | None:
         return None
     if not (folder / TRAINED).is_file():
         return None
-    if not same_training(description(scene), folder):
-        raise UserError(f"{folder}: holds pilots trained with another configuration or version, {KEPT}")
+    held = description(scene)
+    if not same_training(held, folder):
+        other = next(iter(differences(folder, held)), "")
+        raise UserError(
+            f"{folder}: holds pilots trained with another configuration or version ({other}), {KEPT}"
+        )
     return folder

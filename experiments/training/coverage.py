@@ -42,9 +42,12 @@ def calm_warning(scene: Scene, name: str, runs: Sequence[Run]) -> str | None:
     calm = sum(run.meta.disturbances in ([], "calm") for run in runs)
     if not rough or 2 * calm <= len(runs):
         return None
+    level = scene.levels[rough[0]]
+    ours = scene.experiment.data.folder is None  # recorded by the experiment
+    advice = f"set data.record.disturbances={level}" if ours else f"record runs with --disturbances {level}"
     return (
         f"pilots.{name}: recorded without disturbances: {calm} of {counted(len(runs), 'training run')}; "
-        f"evaluated at {', '.join(rough)}; if it fails there, record runs with --disturbances {rough[0]}"
+        f"evaluated at {', '.join(rough)}; if it fails there, {advice}"
     )
 
 

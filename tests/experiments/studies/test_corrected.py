@@ -112,5 +112,5 @@ def test_pilots_that_were_trained_apart_are_kept_where_another_is_corrected(tmp_
     assert names(out / "pilots") == ["net", "scripted"] and load_experiment(out) == load_experiment(
         experiment
     )
-    with pytest.raises(UserError, match="holds pilots trained with another configuration"):
+    with pytest.raises(UserError, match=r"another configuration or version .config.experiment.yaml: there "):
         train_experiment(experiment, [DIVERGES], out)

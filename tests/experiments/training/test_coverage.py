@@ -89,6 +89,13 @@ def test_calm_runs_are_reported_where_the_pilot_is_tried_among_disturbances(
         assert line.endswith("--disturbances standard")
 
 
+def test_of_calm_runs_that_an_experiment_records_its_own_key_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    train_experiment("smoke", ["data.record.disturbances=calm"], tmp_path / "out", ["cloning"])
+    assert "if it fails there, set data.record.disturbances=standard\n" in capsys.readouterr().err
+
+
 def test_calm_runs_suffice_for_calm_water(
     driven: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
