@@ -18,6 +18,8 @@ FIRST_LINES = 20
 """Of a text, in which a table's first row is looked for."""
 BETWEEN = re.compile(r"[,;]\s*|\s+")
 """Cells of a row, whatever separates them."""
+DOUBLED_END = b"\r\r\n"
+"""What Python's csv writes on Windows to a file that was opened without newline=''; no empty line."""
 COMMENT = re.compile(rb"(\xef\xbb\xbf)?[#%]+[ \t]*(?=\w)")
 """Before the names in files of NumPy, MATLAB or gnuplot."""
 
@@ -36,11 +38,13 @@ class HeaderError(ValueError):
 
 
 def read_header(text: bytes) -> Header:
-    """The header of a table in UTF-8, and the table without the mark of a comment before it.
+    """The header of a table in UTF-8, and the table without the mark of a comment before it, with plain line
+    ends.
 
     Commas separate cells, or SEPARATORS, or spaces where the second line has as many words as the first;
     spaces become tabs. HeaderError where the first line names no columns.
     """
+    text = text.replace(DOUBLED_END, b"\r\n")
     if mark := COMMENT.match(text):
         text = text[mark.end() :]
     with io.TextIOWrapper(io.BytesIO(text), encoding="utf-8-sig", newline="") as lines:
