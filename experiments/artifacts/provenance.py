@@ -19,6 +19,8 @@ from swamp_rl.pilots.own import SHIPPED, model_file, own_class, settings_of
 
 RESULTS, TRAINED = "results.json", "training.json"
 """Marks of a whole result and of one whose pilots are trained but not evaluated."""
+TRUE_BOAT = "true_boat.yaml"
+"""Of a closed loop: the boat that its pilots are evaluated in, for other pilots."""
 CONFIG, EXPERIMENT, VERSIONS = "config", "experiment.yaml", "versions.json"
 OWN_CODE = "own code"
 """Before the name of a module in the versions."""

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from swamp_rl.experiments.artifacts.provenance import WORK, seeds
+from swamp_rl.experiments.artifacts.provenance import CONFIG, TRUE_BOAT, WORK, seeds
 from swamp_rl.experiments.artifacts.results import pilot_results
 from swamp_rl.experiments.artifacts.stages import Stages, measured
 from swamp_rl.experiments.config.digests import write_hashes
@@ -25,8 +25,10 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.diagnose import RESULT, diagnose
 from swamp_rl.criticism.result import Diagnosis
 from swamp_rl.effects import parse_effects
+from swamp_rl.effects.entries import entry_mapping
 from swamp_rl.errors import UserError
 from swamp_rl.evaluation import Table, success_difference, write_episodes
+from swamp_rl.files import find_config, write_yaml
 from swamp_rl.pilots.record import NOTES, drive_episodes
 from swamp_rl.pilots.scripted import Habits, ScriptedPilot
 from swamp_rl.pilots.store import save_pilot
@@ -63,6 +65,7 @@ def close_loop(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
     """Every stage in turn, each writing what it makes into `folder`; what goes into results.json."""
     truth, plan = true_scene(scene), scene.experiment.hidden
     assert plan is not None
+    write_true_boat(truth, folder)
     if not (folder / "logs").exists():
         with progress.stage("log the true boat"), folder_beside(folder / "logs") as part:
             write_logs(truth, plan.logs, part)
@@ -79,6 +82,21 @@ def close_loop(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
         progress.seconds.update({f"{name}, {simulator}": s for name, s in stages.seconds.items()})
     write_episodes(folder / "episodes.parquet", tables)
     return results_of(scene, found, tables, progress, folder)
+
+
+def write_true_boat(truth: Scene, folder: Path) -> None:
+    """The true boat as a file that extends the copy of the boat file in the folder of results."""
+    assert truth.experiment.hidden is not None
+    base = find_config("boats", truth.experiment.boat).name
+    effects = parse_effects(truth.experiment.hidden.effects, "hidden", truth.boat.thruster_names)
+    write_yaml(
+        folder / TRUE_BOAT,
+        {
+            "extends": f"{CONFIG}/boats/{base}",
+            "name": f"{truth.boat.name}-true",
+            "effects": [entry_mapping(entry) for entry in effects],
+        },
+    )
 
 
 def called(name: str, simulator: str) -> str:

@@ -9,6 +9,7 @@ from swamp_rl.experiments.artifacts.provenance import (
     CONFIG,
     EXPERIMENT,
     TRAINED,
+    TRUE_BOAT,
     home_of,
     kept_config,
     same_configs,
@@ -28,6 +29,7 @@ CHANGEABLE = ("evaluation", "targets")
 """What may differ from the experiment that the pilots were trained in."""
 OF_TRAINING = ("pilots", "targets", "hidden", "claims")
 """What does not matter to the experiment in whose boat, course and levels other pilots are evaluated."""
+WITHOUT_HIDDEN = tuple(key for key in OF_TRAINING if key != "hidden")
 USUAL = "camogli"
 """The experiment of the boat and the course that the environment has where nothing else is asked of it."""
 
@@ -120,10 +122,21 @@ def _of_pilots(
         settings: dict[str, Any] = {"name": "evaluation", "description": "", "pilots": plans, **asked}
         if home is not None and (home / "data").is_dir():
             settings["data"] = {"folder": str((home / "data").resolve()), "sha256": None}
-        experiment = load_experiment(
-            homes[0] if name is None else name, overrides, over=("evaluate", settings), unread=OF_TRAINING
-        )
+        given, over = homes[0] if name is None else name, ("evaluate", settings)
+        experiment = load_experiment(given, overrides, over=over, unread=OF_TRAINING)
+        _note_hidden(given, load_experiment(given, over=over, unread=WITHOUT_HIDDEN), experiment)
         return evaluated(experiment, "evaluate", out, None)
+
+
+def _note_hidden(given: Path | str, named: Experiment, experiment: Experiment) -> None:
+    """Say that the effects of a closed loop's true boat do not act, where its boat file is driven."""
+    if named.hidden is not None and named.boat == experiment.boat:
+        file = Path(given) / TRUE_BOAT
+        true = file if file.is_file() else "FILE, a boat file with these effects"
+        say(
+            f"{given}: its hidden effects do not act, the pilots drive boat {experiment.boat}; for the true "
+            f"boat --set boat={true}"
+        )
 
 
 def _usual(folders: Sequence[Path]) -> str:
@@ -173,6 +186,8 @@ def _refuse_none(folder: Path, advice: str) -> NoReturn:
         advice = (
             f"name {' or '.join(printable(one) for one in below)}, with --experiment {printable(str(folder))}"
         )
+        if (folder / TRUE_BOAT).is_file():
+            advice += f" --set boat={printable(str(folder / TRUE_BOAT))}"
     raise UserError(f"{folder}: holds no trained pilot{' itself' if below else ''}; {advice}")
 
 

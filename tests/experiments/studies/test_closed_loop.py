@@ -75,8 +75,35 @@ def test_the_pilots_of_both_simulators_are_evaluated_under_names_that_tell_them_
     assert names == {"nominal-reservoir", "extended-reservoir"}
 
 
+def test_the_true_boat_is_a_file_in_which_pilots_do_as_in_the_report(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pilots = [folder / side / "pilots" / "reservoir" for side in ("nominal", "extended")]
+    with empty_figures():
+        found = evaluate_folders(
+            pilots,
+            overrides=[f"boat={folder / 'true_boat.yaml'}"],
+            out=tmp_path / "out",
+            experiment=str(folder),
+        )
+        assert "hidden effects do not act" not in capsys.readouterr().err
+        evaluate_folders(pilots[:1], {"episodes": 2}, out=tmp_path / "nominal", experiment=str(folder))
+    line = (
+        f"{folder}: its hidden effects do not act, the pilots drive boat swamp; for the true boat --set boat="
+    )
+    assert f"{line}{folder / 'true_boat.yaml'}" in capsys.readouterr().err
+    both = (pq.read_table(one / "episodes.parquet").to_pylist() for one in (folder, found))
+    old, new = ({(row["pilot"], row["level"], row["seed"]): row["time"] for row in rows} for rows in both)
+    assert new == {
+        (f"{side}-reservoir", level, seed): time
+        for (pilot, level, seed), time in old.items()
+        for side in ("nominal", "extended")
+        if pilot == f"reservoir, {side}"
+    }
+
+
 def test_what_the_folder_does_not_hold_itself_is_reported_with_where_it_is(folder: Path) -> None:
-    there = f"name {folder / 'extended'} or {folder / 'nominal'}, with --experiment {folder}"
+    there = f"name {folder / 'extended'} or {folder / 'nominal'}, with --experiment {folder} --set boat="
     with pytest.raises(UserError, match=f"holds no trained pilot itself; {there}"):
         evaluate_folders(folder)
     with pytest.raises(UserError, match="with hidden or claims keeps no runs of its pilots; name a dataset"):
