@@ -235,7 +235,7 @@ def or_beside(path: Path, named: str) -> str:
 
 
 def _is_path(given: Path) -> bool:
-    return given.suffix in (".yaml", ".yml") or len(given.parts) != 1
+    return given.suffix.lower() in (".yaml", ".yml") or len(given.parts) != 1
 
 
 def is_file(path: Path) -> bool:

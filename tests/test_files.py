@@ -281,6 +281,13 @@ def test_a_file_that_ends_in_the_other_way_of_yaml_is_suggested(
         find_config("boats", tmp_path / asked)
 
 
+def test_a_suffix_in_capitals_is_that_of_a_yaml_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("Boat.YAML", "boat2.Yml"):
+        Path(name).write_text("extends: swamp\nname: mine\n")
+        assert find_config("boats", name) == Path(name)
+
+
 def test_a_file_that_is_no_yaml_is_not_called_missing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

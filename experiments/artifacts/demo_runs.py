@@ -203,7 +203,7 @@ def _driver(run: Run, source: str) -> str:
 
 def _read_file(path: Path) -> Found:
     if not is_table(path):
-        kind = config_kind(read_yaml(path)) if path.suffix in (".yaml", ".yml") else None
+        kind = config_kind(read_yaml(path)) if path.suffix.lower() in (".yaml", ".yml") else None
         what = one_file(kind) if kind else "no file of a run (.csv, .parquet)"
         raise UserError(f"{path}: is {what}; name a dataset, a results folder, a run's file or a pilot")
     if not (path.parent / META).is_file():

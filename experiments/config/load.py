@@ -184,7 +184,7 @@ def _extended(path: Path, seen: tuple[Path, ...]) -> list[tuple[Path, dict[str, 
 def _base_of(path: Path, base: str) -> Path:
     """The experiment that the one at `path` extends: a file beside it, or as `find_config` finds it."""
     beside = path.parent / base
-    if beside.suffix in (".yaml", ".yml") and beside.is_file():
+    if beside.suffix.lower() in (".yaml", ".yml") and beside.is_file():
         return beside
     with errors_at(f"{path}: extends"):
         return find_config("experiments", base)

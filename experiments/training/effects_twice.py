@@ -24,7 +24,7 @@ def effects_twice(scene: Scene) -> list[str]:
         if twice:
             lines.append(
                 f"{key}: {level}: {', '.join(map(_label, twice))}: acts beside that of boat {boat.name}; "
-                "name the boat without it, or a level without it"
+                "if it is the same one, name a boat or a level without it"
             )
     return lines
 

@@ -123,7 +123,7 @@ PARTS: dict[str, type[Part]] = {"loads": Load, "particulars": Particular, "figur
 
 def is_figures_file(path: Path) -> bool:
     """Whether `path` is a YAML file, which holds figures, and not a folder of runs."""
-    return path.suffix in (".yaml", ".yml")
+    return path.suffix.lower() in (".yaml", ".yml")
 
 
 def read_figures(path: Path, boat: Boat) -> FiguresFile:
