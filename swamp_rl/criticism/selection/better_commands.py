@@ -14,6 +14,7 @@ from swamp_rl.criticism.selection.command_reconstruction import (
     is_noise_on_whole_runs,
     is_refuted,
     other_commands,
+    saved,
 )
 from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation, continuation_of
 
@@ -57,22 +58,26 @@ def _searched_again(
     spent: bool,
 ) -> Selection | None:
     """The result with the commands of an attempt, those of `wider`, or None where that is not accepted. The
-    effects beside which those were found are judged alone where a search with them has ended with others: an
-    effect more would absorb what the commands leave.
+    effects beside which those were found are judged alone too where they are likelier, on windows that both
+    reach, than what a search with those commands ends with: an effect more would absorb what these leave.
     """
     _, kept, accepts = attempt
     if accepts is is_better and is_refuted(continuation, found, wider):
         return None
+    again = None
     if accepts is not is_noise_on_whole_runs:
         previous = [continuation.fit(stage, *kept) for stage in (0, MIDDLE)]
         budget = 0.0 if spent else options().step_budget_again  # no search, but the effects that are kept
         again = beam_search(wider, instances, hull, budget, None, previous)
-        accepted = accepts(continuation, found, wider, again)
-        if accepted or accepts is is_better:
-            return again if accepted else None
+        if accepts(continuation, found, wider, again):
+            return again
+        if accepts is is_better:
+            return None
     every = [*instances, *([hull] if hull else [])]
-    again = conclude(wider, fit_by_continuation(wider, *kept), [], found.first, found.unidentifiable, every)
-    return again if accepts(continuation, found, wider, again) else None
+    alone = conclude(wider, fit_by_continuation(wider, *kept), [], found.first, found.unidentifiable, every)
+    if again is not None and saved(wider, again, wider, alone) <= 0.0:
+        return None
+    return alone if accepts(continuation, found, wider, alone) else None
 
 
 def is_budget_spent(continuations: Sequence[Continuation]) -> bool:

@@ -330,11 +330,11 @@ def is_better(before: Continuation, found: Selection, after: Continuation, again
     """Whether a selection with reconstructed commands ends clearly better."""
     return again.adequate > found.adequate or (
         again.adequate == found.adequate
-        and _saved(before, found, after, again) > options().reconstruction_gain
+        and saved(before, found, after, again) > options().reconstruction_gain
     )
 
 
-def _saved(before: Continuation, found: Selection, after: Continuation, again: Selection) -> float:
+def saved(before: Continuation, found: Selection, after: Continuation, again: Selection) -> float:
     """Fall of the criterion, the cost of the instants included, on the longest windows that both fit."""
     stage = min(found.stage, again.stage)
     reached = [
@@ -359,4 +359,4 @@ def is_simpler(before: Continuation, found: Selection, after: Continuation, agai
     fewer = len(again.winner.hypothesis.instances) < len(found.winner.hypothesis.instances)
     least = -options().strong_evidence if fewer else options().reconstruction_gain
     reaches = again.adequate and again.stage >= found.stage
-    return reaches and _saved(before, found, after, again) > least
+    return reaches and saved(before, found, after, again) > least
