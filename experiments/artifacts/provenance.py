@@ -111,7 +111,7 @@ def same_configs(config: Path | None) -> Iterator[None]:
 def _named_in(data: Any) -> Iterator[str]:
     """Every text in a configuration that may be the path of a file."""
     if isinstance(data, str):
-        if data.endswith((".yaml", ".yml")):
+        if data.lower().endswith((".yaml", ".yml")):
             yield data
     elif isinstance(data, Mapping | list):
         for part in data.values() if isinstance(data, Mapping) else data:

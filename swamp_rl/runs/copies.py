@@ -113,7 +113,7 @@ def _carried(folder: Path, meta: DatasetMeta, name: str, suffix: str) -> str | P
     refuse_changed(folder, meta)
     if name + suffix in meta.copies:
         return file_in(folder, name + suffix, YAML)
-    if not name.endswith(YAML):
+    if not name.lower().endswith(YAML):
         return _known_name(folder, name)
     found = file_in(folder, name, YAML)
     if not found.is_file():
@@ -158,6 +158,6 @@ def _refuse_reaching_out(folder: Path, boat: str | Path) -> None:
             return  # nothing, or what the loader refuses
         try:
             name = plain_name(base)
-            boat = file_in(folder, name, YAML) if name.endswith(YAML) else name
+            boat = file_in(folder, name, YAML) if name.lower().endswith(YAML) else name
         except (ValueError, UserError) as error:
             raise UserError(f"{boat}: extends: {error}") from error

@@ -259,3 +259,14 @@ def test_a_dataset_that_has_changed_since_is_refused(place: Path, tmp_path: Path
     (data / "dataset.yaml").write_text((data / "dataset.yaml").read_text() + "\n")
     with pytest.raises(UserError, match="no longer those that it was made with"):
         run_experiment(first, out=tmp_path / "third")
+
+
+def test_a_boat_file_with_its_suffix_in_capitals_is_evaluated_as_it_was_in_the_training(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("Boat.YAML").write_text("extends: swamp\nname: mine\n")
+    train_experiment("smoke", ["boat=Boat.YAML"], Path("out"), ["line-of-sight"])
+    Path("Boat.YAML").unlink()
+    found = evaluate_folders(Path("out"), {"episodes": 1, "levels": ["calm"]})
+    assert (found / "config" / "boats" / "Boat.YAML").is_file()
