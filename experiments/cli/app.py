@@ -321,9 +321,9 @@ def _refuse_odd_arguments() -> None:
 
 
 def _from_home(word: str) -> str:
-    """A word with the home folder in place of a ~ before its path, or before that of `--out=PATH` and
-    `boat=PATH`: shells leave these as they are, and a folder of the name ~ would be made."""
-    found = re.fullmatch("([^/~]*=)?(~/.*)", word)
+    """A word with the home folder in place of a ~ before its path, or before that of `--out=PATH`,
+    `boat=PATH` and `onnx:PATH`: shells leave these as they are, and a folder of the name ~ would be made."""
+    found = re.fullmatch("([^/~]*[=:])?(~/.*)", word)
     return (found[1] or "") + os.path.expanduser(found[2]) if found else word
 
 

@@ -76,6 +76,13 @@ def test_the_home_folder_is_written_to_and_no_folder_named_tilde_is_made(
     assert (home / words[-1].rpartition("~/")[2] / "pilots").is_dir()
 
 
+def test_a_model_below_the_home_folder_is_looked_for_there(
+    call: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert f"{tmp_path}/none.onnx: No such file" in "".join(map(str, call("evaluate", "onnx:~/none.onnx")))
+
+
 def test_a_file_that_is_read_is_not_replaced(call: Call, dataset: dict[str, str]) -> None:
     Path("apart").mkdir()
     Path("apart/run.parquet").write_bytes(Path("runs/run-001.parquet").read_bytes())
