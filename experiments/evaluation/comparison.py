@@ -84,11 +84,15 @@ def compare(paths: Sequence[Path], seed: int = 0, only: Sequence[str] = ()) -> d
 
 
 def named(pilots: list[Entrant], only: Sequence[str]) -> list[Entrant]:
-    """The pilots of the names `only`, in the results or in the report; all where there are no names.
+    """The pilots of the names `only`, in the results or in the report; all where there are no names. Those of
+    a closed loop, such as `ppo, nominal`, also by the name alone, of both simulators.
 
     UserError for a name that none has.
     """
-    names = [{one.label, one.pilot, *(pilot for pilot, _ in one.trained)} for one in pilots]
+    names = [
+        {one.label, one.pilot, one.pilot.partition(", ")[0], *(pilot for pilot, _ in one.trained)}
+        for one in pilots
+    ]
     for name in only:
         if not any(name in known for known in names):
             every = list(dict.fromkeys(one.pilot for one in pilots))

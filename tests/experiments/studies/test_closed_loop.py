@@ -13,6 +13,7 @@ from swamp_rl.experiments.artifacts.demo_runs import read_shown
 from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.config.scene import read_scene
 from swamp_rl.experiments.config.schema import Logs
+from swamp_rl.experiments.evaluation.comparison import compare
 from swamp_rl.experiments.studies import closed_loop
 from swamp_rl.experiments.studies.closed_loop import noisy, true_scene
 from swamp_rl.experiments.studies.run import run_experiment
@@ -73,6 +74,13 @@ def test_the_pilots_of_both_simulators_are_evaluated_under_names_that_tell_them_
         found = evaluate_folders(pilots, {"episodes": 2}, out=tmp_path / "out", experiment=str(folder))
     names = set(pq.read_table(found / "episodes.parquet").to_pydict()["pilot"])
     assert names == {"nominal-reservoir", "extended-reservoir"}
+
+
+def test_a_pilot_is_compared_between_both_simulators_by_its_name_alone(folder: Path) -> None:
+    found = compare([folder], only=["reservoir"])
+    assert {(row["a"], row["b"]) for row in found["differences"]} == {
+        ("reservoir, nominal", "reservoir, extended")
+    }
 
 
 def test_the_true_boat_is_a_file_in_which_pilots_do_as_in_the_report(
