@@ -23,8 +23,8 @@ def effects_twice(scene: Scene) -> list[str]:
         twice = [own for own in boat.effects if any(_adds(own, one, boat.thruster_names) for one in entries)]
         if twice:
             lines.append(
-                f"{key}: {level}: {', '.join(map(_label, twice))}: acts beside that of boat {boat.name}; "
-                "if it is the same one, name a boat or a level without it"
+                f"{key}: {level}: {', '.join(map(_label, twice))}: also in boat {boat.name}, and both act; "
+                "if they are the same, name a boat or a level without"
             )
     return lines
 

@@ -27,10 +27,10 @@ def weak(tmp_path: Path) -> Path:
 def test_the_effect_of_a_diagnosis_on_the_boat_it_extended(
     weak: Path, capsys: pytest.CaptureFixture[str], thruster: object
 ) -> None:
-    line = f"evaluation.levels: {weak / 'found.yaml'}: thruster_gain bs: acts beside that of boat weak; "
+    line = f"evaluation.levels: {weak / 'found.yaml'}: thruster_gain bs: also in boat weak, and both act; "
     assert line in said(weak, capsys, HALF | {"thruster": thruster})
 
 
 def test_other_effects_and_thrusters_are_no_matter(weak: Path, capsys: pytest.CaptureFixture[str]) -> None:
     others = HALF | {"thruster": "bp"}, {"effect": "current", "north": 0.1}
-    assert "acts beside" not in said(weak, capsys, *others)
+    assert "both act" not in said(weak, capsys, *others)
