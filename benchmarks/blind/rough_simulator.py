@@ -23,7 +23,7 @@ from swamp_rl.experiments.synthetic.drivers import Array, Driver
 
 from swamp_rl.boat import Boat, load_boat
 from swamp_rl.physics.compile import compiled
-from swamp_rl.physics.force_curve import JET
+from swamp_rl.physics.force_curve import ANGLE_OF_THRUSTER, JET
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.motion import external_forces, water_velocity
 from swamp_rl.physics.propulsion import actuator_output, propulsion_forces
@@ -68,6 +68,7 @@ def turn_actuators(state: Any, command: Any, h: float, jets: Any, curves: Any, p
         left = alive(k, state[TIME], h, p) * supply(state[TIME], p)
         left *= in_error(level, curves[HULL_CURVES + k])
         put_output(left * first, left * second, jets, 0, k, p)
+        jets[0, k, ANGLE_OF_THRUSTER] = angle
 
 
 @compiled

@@ -23,6 +23,7 @@ NEUTRAL = (
     ("throttle_rate", None),
     ("propeller", None),
     ("thrust_table", None),
+    ("foil", None),
     ("open_water", None),
 )
 "Keys of a thruster that are left out at these values, so that boat files without them keep their digest."

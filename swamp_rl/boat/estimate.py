@@ -25,6 +25,7 @@ from swamp_rl.boat.estimate_hull import (
     fin_derivatives,
     hull_derivatives,
 )
+from swamp_rl.boat.foil import Foil
 from swamp_rl.boat.merge import is_quantity
 from swamp_rl.boat.plausible import implausible_sizes
 from swamp_rl.boat.propeller_rudder import Propeller, PropellerRudder, Rudder
@@ -54,6 +55,7 @@ MODELS: dict[str, type[BaseModel]] = {
     "joypad": Joypad,
     "propeller": Propeller,
     "rudder": Rudder,
+    "foil": Foil,
 }
 HEADS = {
     "hull": "coefficients on ½ρLd: Kijima 1990, Yoshimura and Masumoto 2012",

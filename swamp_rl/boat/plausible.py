@@ -190,6 +190,8 @@ def _jet(boat: Boat, thruster: Thruster, key: str) -> Iterator[Limit]:
     under = boat.breadth * boat.draught
     area = thruster.nozzle_area
     yield Limit(f"{key}.nozzle_area", area, area / under, "area / (breadth draught)", 0.0, 1.0)
+    if thruster.foil is not None:
+        yield _lateral(boat, f"{key}.foil.area", thruster.foil.area)
     if thruster.kind == "azimuth":
         rate = thruster.azimuth_rate / (2.0 * math.pi)
         yield Limit(f"{key}.azimuth_rate", thruster.azimuth_rate, rate, "turns a second", 1e-4, 20.0)
@@ -249,8 +251,7 @@ def _propeller(boat: Boat, thruster: PropellerRudder, key: str) -> Iterator[Limi
     propeller, area = thruster.propeller, thruster.rudder.area
     share = propeller.diameter / boat.length
     yield Limit(f"{key}.propeller.diameter", propeller.diameter, share, "diameter / length", 0.001, 0.5)
-    side = boat.length * boat.draught
-    yield Limit(f"{key}.rudder.area", area, area / side, "area / (length draught)", 0.0, 1.0)
+    yield _lateral(boat, f"{key}.rudder.area", area)
     thrust = thruster.thrust_curve(boat.water_density)[1] * thruster.revolutions_max**2
     heavy = thrust / (boat.mass * GRAVITY)
     yield Limit(f"{key}.revolutions_max", thruster.revolutions_max, heavy, "thrust / weight", 0.0, 3.0)
@@ -258,6 +259,11 @@ def _propeller(boat: Boat, thruster: PropellerRudder, key: str) -> Iterator[Limi
     yield Limit(f"{key}.rudder_rate", thruster.rudder_rate, rate, "turns a second", 1e-4, 20.0)
     for name in ("rudder_time_constant", "revolutions_time_constant"):
         yield _lag(boat, key, name, getattr(thruster, name))
+
+
+def _lateral(boat: Boat, key: str, area: float) -> Limit:
+    """Of the area [m2] of a rudder or a foil."""
+    return Limit(key, area, area / (boat.length * boat.draught), "area / (length draught)", 0.0, 1.0)
 
 
 def _lag(boat: Boat, key: str, name: str, lag: float) -> Limit:

@@ -7,10 +7,10 @@ from pydantic import Discriminator, Field, InstanceOf, PrivateAttr, Tag, model_v
 
 from swamp_rl.boat.battery import Battery, Power, ShaftPower
 from swamp_rl.boat.covariance import Covariance
+from swamp_rl.boat.foil import Foil
 from swamp_rl.boat.loading import Loading
 from swamp_rl.boat.part import (
     ANGLE,
-    FRACTION,
     FROM_LIST,
     KIND,
     NAME,
@@ -24,6 +24,7 @@ from swamp_rl.boat.propeller_rudder import PropellerRudder
 from swamp_rl.boat.quantity import Provenance, Unit
 from swamp_rl.boat.resistance import Resistance
 from swamp_rl.boat.screw import Screw, ThrustTable
+from swamp_rl.boat.thrust_deduction import ThrustDeduction
 from swamp_rl.effects import EffectEntry
 
 DEAD_BAND = Field(lt=0.9)
@@ -106,6 +107,8 @@ class Thruster(Part):
     "In place of the thrust curve: a propeller, whose thrust depends on its speed of advance."
     thrust_table: ThrustTable | None = None
     "In place of the thrust curve: thrust as measured over throttle and speed of advance."
+    foil: Foil | None = None
+    "The leg, strut or nozzle as a foil that turns with the thrust; none: no force but the thrust."
     power: Power | None = None
     "Electric power: against the thrust at rest, as measured over the throttle, or by the propeller's torque."
 
@@ -228,25 +231,6 @@ AnyThruster = Annotated[
     Annotated[Thruster, Tag(JET)] | Annotated[PropellerRudder, Tag(PROPELLER)],
     Discriminator(kind_of_thruster),
 ]
-
-
-class ThrustDeduction(Part):
-    """1 - t against throttle: linear between two points, constant outside them; 1 where a file has none."""
-
-    throttle_low: Annotated[float, FRACTION, Unit("1")]
-    "Throttle at the lower point."
-    factor_low: Annotated[float, FRACTION, Unit("1")]
-    "1 − t there."
-    throttle_high: Annotated[float, FRACTION, Unit("1")]
-    "Throttle at the upper point."
-    factor_high: Annotated[float, FRACTION, Unit("1")]
-    "1 − t there."
-
-    @model_validator(mode="after")
-    def _low_is_below_high(self) -> Self:
-        if not self.throttle_low < self.throttle_high:
-            raise ValueError("throttle_low must be below throttle_high")
-        return self
 
 
 class Wind(Part):

@@ -8,6 +8,7 @@ import math
 from typing import Any
 
 from swamp_rl.physics.compile import by_field, compiled
+from swamp_rl.physics.foil import FOIL, all_foils
 from swamp_rl.physics.propeller import propeller_forces, wake_factor
 from swamp_rl.physics.rudder import inflow_across, inflow_ahead, rudder_forces
 from swamp_rl.physics.screw import crossflow_left, flow_at, race_of, thrust_at
@@ -152,5 +153,23 @@ actuator_output = by_field(MARK, output_of_either, jet_force)
 # An output of thruster k that gives only a share [1] of its thrust.
 worn = by_field(MARK, worn_either, worn_jet)
 
-# Total surge, sway force [N] and yaw moment [N m]; outputs[moment]: (K, JET) by `put_output`.
-propulsion_forces = by_field(MARK, forces_of_both, jet_forces)
+forces_of_drives = by_field(MARK, forces_of_both, jet_forces)
+
+
+@compiled
+def forces_of_thrust(outputs: Any, moment: int, u: float, v: float, r: float, p: Any) -> Three:
+    """As `propulsion_forces`, without foils."""
+    return forces_of_drives(outputs, moment, u, v, r, p)
+
+
+@compiled
+def forces_with_foils(outputs: Any, moment: int, u: float, v: float, r: float, p: Any) -> Three:
+    """As `propulsion_forces`, for a boat that has a thruster with a foil."""
+    x_thrust, y_thrust, n_thrust = forces_of_thrust(outputs, moment, u, v, r, p)
+    x_foils, y_foils, n_foils = all_foils(outputs, moment, u, v, r, p)
+    return x_thrust + x_foils, y_thrust + y_foils, n_thrust + n_foils
+
+
+# Total surge, sway force [N] and yaw moment [N m]; outputs[moment]: (K, JET) by `put_output`, with the angles
+# of the thrusters where these have foils.
+propulsion_forces = by_field(FOIL, forces_with_foils, forces_of_thrust)

@@ -4,6 +4,7 @@ import math
 from typing import Any
 
 from swamp_rl.physics.compile import compiled
+from swamp_rl.physics.foil import normal_force
 
 
 @compiled
@@ -54,10 +55,9 @@ def rudder_forces(
     and U_R sin(δ − atan2(v_R, u_R)) = u_R sin δ − v_R cos δ, which needs no angle of the flow.
     """
     cos, sin = math.cos(angle), math.sin(angle)
-    aspect = p.rudder_aspect_ratio[k]
     speed = math.sqrt(u_rudder * u_rudder + v_rudder * v_rudder)
     across = u_rudder * sin - v_rudder * cos
-    normal = 0.5 * p.water_density * speed * across * p.rudder_area[k] * 6.13 * aspect / (2.25 + aspect)
+    normal = normal_force(speed, across, p.rudder_area[k], p.rudder_aspect_ratio[k], p)
     surge = -(1.0 - p.rudder_deduction[k]) * normal * sin
     sway = -(1.0 + p.rudder_a_h[k]) * normal * cos
     lever = p.thruster_x[k] + p.rudder_a_h[k] * p.rudder_x_h[k] * p.length

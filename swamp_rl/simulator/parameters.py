@@ -1,5 +1,6 @@
 """The parameter record: every number that the compiled physics reads of one boat, effects included."""
 
+import math
 from functools import lru_cache
 from typing import Any
 
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat, PropellerRudder, Thruster
 from swamp_rl.boat.resistance import DriftResistance
-from swamp_rl.boat.schema import ThrustDeduction
+from swamp_rl.boat.thrust_deduction import ThrustDeduction
 from swamp_rl.effects import apply_effects, neutral_fields
 from swamp_rl.physics.force_curve import CURVES, WIDTH
 from swamp_rl.physics.propulsion import OF_JET, OF_RUDDER
@@ -123,7 +124,16 @@ def jet_row(thruster: Thruster, boat: Boat) -> dict[str, Any]:
     """What the record holds of one jet, or of a thruster with a propeller or a table."""
     row = {name: float(getattr(thruster, name)) for name in JET_FIELDS}
     row |= {"thruster_x": thruster.x, "thruster_y": thruster.y, "drive": OF_JET}
-    return row | screw_row(thruster, boat)
+    return row | screw_row(thruster, boat) | foil_row(thruster)
+
+
+def foil_row(thruster: Thruster) -> dict[str, float]:
+    """Of a thruster with a foil; nothing for another."""
+    foil = thruster.foil
+    if foil is None:
+        return {}
+    row = {"foil_area": foil.area, "foil_aspect_ratio": foil.aspect_ratio, "foil_gamma": foil.gamma}
+    return row | {"foil_stall": math.sin(foil.stall_angle)}
 
 
 def propeller_row(actuator: PropellerRudder, boat: Boat) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.constants import FASTEST, GRAVITY
 from swamp_rl.effects import Reference
 from swamp_rl.effects.fit import Size
-from swamp_rl.physics.force_curve import JET
+from swamp_rl.physics.force_curve import ANGLE_OF_THRUSTER, JET
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.propulsion import actuator_output, propulsion_forces, throttle_limits
 from swamp_rl.physics.resistance import towing
@@ -59,6 +59,7 @@ def _full_ahead(record: Any) -> NDArray[np.float64]:
         angle = float(np.clip(0.0, record["azimuth_min"][k], record["azimuth_max"][k]))
         first, second = actuator_output(angle, throttle_limits(k, record)[1], k, record)
         put_output(first, second, outputs, 0, k, record)
+        outputs[0, k, ANGLE_OF_THRUSTER] = angle
     return outputs
 
 

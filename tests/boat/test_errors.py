@@ -35,6 +35,15 @@ def refused(folder: Path, text: str) -> str:
             "thrusters: {bs: {propeller: {diameter: 1.0e+80}}}",
             "thrusters.bs.propeller.diameter: 1e+80 is out of range",
         ),
+        (
+            "thruster_model: {foil: {area: 0, aspect_ratio: 1}}",
+            "thrusters.bs.foil.area: must be greater than 0",
+        ),
+        ("thruster_model: {foil: {area: 0.01}}", "thrusters.bs.foil.aspect_ratio: is missing; add it"),
+        (
+            "thruster_model: {foil: {area: 0.01, aspect_ratio: 1, stall_angle: 20}}",
+            "thrusters.bs.foil.stall_angle: must be at most 1.5",
+        ),
         (f"mass: 1{'0' * 400}", "a number of more than 100 characters"),
         ("mass: '48'", "mass: must be a number, not '48'"),
         ("mass: true", "mass: must be a number"),

@@ -46,6 +46,10 @@ def test_a_slipped_decimal_point_is_named_at_any_size(
         ),
         ("thruster_model: {azimuth_rate: 492}", "thrusters.bs.azimuth_rate: 492 rad/s is implausible"),
         ("thruster_model: {nozzle_area: 900}", "thrusters.bs.nozzle_area: 900 m2 is implausible"),
+        (
+            "thruster_model: {foil: {area: 3, aspect_ratio: 1.5}}",
+            "thrusters.bs.foil.area: 3 m2 is implausible: area / (length draught) is 17.3",
+        ),
         ("wind: {lateral_area: 4200}", "wind.lateral_area: 4200 m2 is implausible"),
         ("resistance: {reference_mass: 58000}", "resistance.reference_mass: 58000 kg is implausible"),
         ("hull: {c_d: 11}", "hull.c_d: 11 is implausible: its magnitude is 11"),

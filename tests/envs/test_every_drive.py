@@ -23,6 +23,19 @@ def test_the_lever_turns_the_bow_its_way_for_every_drive(tmp_path: Path, kind: K
     assert lever * (env.fleet.pose[0, 2] - before) > 0.0
 
 
+@pytest.mark.parametrize("lever", [-1.0, 1.0])
+def test_the_lever_turns_the_bow_its_way_with_foils(tmp_path: Path, lever: float) -> None:
+    file_of(tmp_path, "outboard", 5.0)
+    foil = "{area: 0.2, aspect_ratio: 1.5, gamma: 0.7, stall_angle: 0.4}"
+    (tmp_path / "foil.yaml").write_text(f"extends: outboard.yaml\nthruster_model: {{foil: {foil}}}\n")
+    env = GatesEnv(boat=tmp_path / "foil.yaml")
+    env.reset(seed=0)
+    before = env.fleet.pose[0, 2]
+    for _ in range(20):
+        env.step(np.array([0.6, lever], np.float32))
+    assert lever * (env.fleet.pose[0, 2] - before) > 0.0
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("length", SIZES)
 def test_the_scripted_pilot_passes_the_gates_with_every_drive_and_size(

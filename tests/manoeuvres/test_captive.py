@@ -10,7 +10,7 @@ import pytest
 from swamp_rl.experiments.cli import app as cli
 
 from swamp_rl.boat import Boat, Thruster, load_boat
-from swamp_rl.boat.schema import ThrustDeduction
+from swamp_rl.boat.thrust_deduction import ThrustDeduction
 from swamp_rl.effects import parse_effects
 from swamp_rl.errors import UserError
 from swamp_rl.identification.deduction import deduction_points

@@ -54,6 +54,14 @@ def test_propellers_of_any_model_and_tables_of_usual_length_share_one_record_typ
     assert file_record(swamp_with(**thrust)).dtype is file_record(swamp_with(**propeller(LINEAR))).dtype
 
 
+def test_only_a_boat_with_a_foil_has_the_fields_of_one() -> None:
+    foil = {"area": 0.01, "aspect_ratio": 1.5}
+    plain, foiled = load_boat("swamp"), load_boat("swamp", {"thrusters": {"bs": {"foil": foil}}})
+    added = set(file_record(foiled).dtype.names or ()) - set(file_record(plain).dtype.names or ())
+    assert added == {"foil_area", "foil_aspect_ratio", "foil_gamma", "foil_stall"}
+    assert file_record(foiled)["foil_area"].tolist() == [[0.01, 0.0, 0.0, 0.0]]
+
+
 def test_the_order_of_the_thrusters_makes_no_other_record_type() -> None:
     one, other = (file_record(fitted_out(*names)) for names in (("stern", "bow"), ("bow", "stern")))
     assert one.dtype is other.dtype
