@@ -34,6 +34,8 @@ OF_LIKE_THRUSTERS = (  # fields of the record, one number for each thruster
     "advance_loss",
     "efficiency_100",
     "dead_band",
+    "foil_area",
+    "foil_gamma",
 )
 LIKENESS = 0.9  # prior correlation [1] of such numbers of thrusters that are equal in the start file
 # m/s, where the fit of a weather begins: at no wind a boat at rest does not feel it change

@@ -32,6 +32,7 @@ SATURATION = 0.3
 SATURATED = "efficiency_100"  # field of the record
 COMPASS = "heading_bias"  # field of the record
 DEVIATION = 0.1  # rad, prior width of an offset of the compass: declination, mounting and deviation
+FOIL = 0.4  # prior width of the logarithm of a foil's area and of its γ, as of a rudder's
 DERIVATIVE = 0.02  # prior width [1] of a hull derivative beside its share, which may be 0 or of either sign
 
 
@@ -186,6 +187,18 @@ def _jet(boat: Boat, k: int) -> Iterable[Number]:
         start = float(record["azimuth_offset"][k])
         name = f"{key}.azimuth_offset"
         yield Number(name, "rad", "azimuth_offset", start, 0.1, "straight runs", thrusters=(k,))
+    if thruster.foil is not None:
+        yield from _foil(thruster, k)
+
+
+def _foil(thruster: Thruster, k: int) -> Iterable[Number]:
+    """Area and flow straightening of a foil, of which the file has a value above 0."""
+    assert thruster.foil is not None
+    for name, unit, trial in (("area", "m2", "azimuths at speed"), ("gamma", "1", "turns at speed")):
+        start, field = float(getattr(thruster.foil, name)), f"foil_{name}"
+        if start > 0.0:
+            key = f"thrusters.{thruster.name}.foil.{name}"
+            yield Number(key, unit, field, start, FOIL, trial, scaled=True, thrusters=(k,))
 
 
 def _open_water(model: OpenWater, key: str, k: int, trial: str) -> Iterable[Number]:

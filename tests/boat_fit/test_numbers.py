@@ -42,8 +42,12 @@ def moved(hypothesis: FreeBoat) -> np.ndarray:
     return np.where(up <= high, np.maximum(up, low), down)
 
 
-KINDS = ("twin", "ferry", "swamp", "esso_osaka", "open_water", "table")
-OTHERS = {  # a propeller with a rudder by its open-water model, and jets by a measured table
+KINDS = ("twin", "ferry", "swamp", "esso_osaka", "open_water", "table", "foil")
+OTHERS = {  # a propeller with a rudder by its open-water model, jets by a measured table, and with foils
+    "foil": """
+extends: swamp
+thruster_model: {foil: {area: 0.01, aspect_ratio: 1.5, gamma: 0.7}}
+""",
     "open_water": """
 extends: esso_osaka
 thrusters:

@@ -44,9 +44,11 @@ def sailed_dataset(
     idle: Collection[str] = (),
     noise: float = 1.0,
     high: float = 1.0,
+    steered: float = 0.0,
 ) -> Path:
     """A dataset of runs that `truth` sailed, which names the file `start` as its boat; idle: thrusters that
-    are not commanded; noise: of the sensors, over NOISE.
+    are not commanded; noise: of the sensors, over NOISE; steered: greatest azimuth [rad] of thrusters that
+    turn, which all take the same.
     """
     rng = np.random.default_rng(seed)
     rows = int(seconds / RATE)
@@ -59,6 +61,9 @@ def sailed_dataset(
     for number in range(count):
         commands = steps_of_thrust(truth, rows, rng, low, 8.0, high)
         commands[:, [len(truth.thrusters) + truth.thruster_names.index(name) for name in idle]] = 0.0
+        if steered > 0.0:
+            orders = rng.uniform(-steered, steered, rows // 50 + 1)
+            commands[:, : len(truth.thrusters)] = np.repeat(orders, 50)[:rows, None]
         record = parameters(truth)
         begin = initial_state(record, np.zeros((1, 3)))
         track = simulate(record, tank(truth), begin, commands[None], np.zeros(1, np.uint64), RATE, 1)
@@ -68,5 +73,7 @@ def sailed_dataset(
         columns = {"time": RATE * np.arange(rows), **dict(zip(names, measured.T, strict=True))}
         for k, name in enumerate(truth.thruster_names):
             columns[f"throttle_{name}"] = commands[:, len(truth.thrusters) + k]
+            if truth.thrusters[k].kind == "azimuth":
+                columns[f"azimuth_{name}"] = commands[:, k]
         append_run(folder, Run(f"run{number}", columns))
     return folder
