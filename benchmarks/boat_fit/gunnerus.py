@@ -7,16 +7,19 @@ The measured data are not part of the project: one table of 2.5 hours, in steps 
 
 from copy import deepcopy
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from swamp_rl.experiments.reports.experiment import table
 
 from benchmarks.boat_fit.arguments import source_and_out
 from benchmarks.boat_fit.kvlcc2 import FIGURES, WAYS, causes_table
-from benchmarks.boat_fit.tables import doctor_lines, error_table, findings, number_table
+from benchmarks.boat_fit.tables import compared_table, doctor_lines, error_table, findings, number_table
 from benchmarks.markers import DOCS, write_parts
 from swamp_rl.boat import load_boat
-from swamp_rl.boat.estimate import annotated, boat_file
+from swamp_rl.boat.defaults import assumed
+from swamp_rl.boat.estimate import DENSITY, annotated, boat_file
+from swamp_rl.boat.estimate_hull import FIN_ASPECT, fullness
 from swamp_rl.boat_fit.identify import identify_boat
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.criticism.report.words import residual_force_sentence
@@ -66,10 +69,12 @@ LOST = [2699, 4213]
 KEEP = "keep=" + "*".join(
     [*(f"(time-{at})" for at in CUTS), *(f"where(abs(time-{at})<5,0,1)" for at in LOST)]
 )
+FOIL_SPREAD, GAMMA_SD = 0.4, 0.15
+"""Standard deviation of the prior of a foil's area, a share of it, and of γ, as of a rudder of `boat new`."""
 FEWEST, TURNED = 60.0, 2.0  # s of a run, and rad that it turns at least, whose clock is compared
 
 
-def start_file(path: Path) -> Path:
+def start_content() -> dict[str, Any]:
     """The estimate of `boat new` for an outboard, with two drives of half its thrust in its place."""
     content = boat_file("gunnerus", "outboard", **SIZES)
     (drive,) = content["thrusters"]
@@ -81,6 +86,30 @@ def start_file(path: Path) -> Path:
     for thruster, place in zip(content["thrusters"], SIDES.values(), strict=True):
         thruster["y"] |= {"value": place}
     content["joypad"]["thrusters"] = list(SIDES)
+    return content
+
+
+def content_with_foils() -> dict[str, Any]:
+    """As `start_content`, the lateral area as foils that turn with the drives, in place of a fin of the hull;
+    γ by Yoshimura and Masumoto's regression of rudders, 2.06 C_B B/L + 0.14."""
+    content = start_content()
+    sizes = {name: value for name, value in SIZES.items() if name != "fin"}
+    content["hull"] = boat_file("gunnerus", "outboard", **sizes)["hull"]
+    length, breadth, area = SIZES["length"], SIZES["breadth"], 0.5 * SIZES["fin"]
+    block = SIZES["mass"] / (DENSITY * length * breadth * SIZES["draught"])
+    gamma = 2.06 * fullness(block, length, breadth) + 0.14
+    source = "Yoshimura and Masumoto 2012, 2.06 C_B B/L + 0.14, of rudders"
+    foil = {
+        "area": assumed(area, "m2", "half of the lateral area of both drives", FOIL_SPREAD * area),
+        "aspect_ratio": assumed(FIN_ASPECT, "1", "as of a fin"),
+        "gamma": assumed(gamma, "1", source, GAMMA_SD),
+    }
+    content["thrusters"] = [drive | {"foil": foil} for drive in content["thrusters"]]
+    return content
+
+
+def start_file(path: Path, content: dict[str, Any]) -> Path:
+    """The file of that content."""
     path.write_text(annotated(content, "R/V Gunnerus."), encoding="utf-8")
     return path
 
@@ -132,7 +161,7 @@ def main() -> None:
     """Write the page's tables."""
     source, out = source_and_out(__doc__)
     out.mkdir(parents=True)
-    start = start_file(out / "gunnerus.yaml")
+    start = start_file(out / "gunnerus.yaml", start_content())
     doctor = doctor_lines(imported(source, start, out / "as_logged", LOGGED))
     whole = Wishes(resample=RESAMPLED, fill=FILL, bad_rows="split")
     mended = imported(source, start, out / "mended", MENDED, whole)
@@ -150,6 +179,9 @@ def main() -> None:
         "figures": figures_table(results_of(read_dataset(runs).runs, start), found.boat.length),
     }
     write_parts(DOCS / "gunnerus.md", parts)
+    foils = start_file(out / "gunnerus_foils.yaml", content_with_foils())
+    steered = identify_boat(runs, foils, out / "identified_foils.yaml")
+    write_parts(DOCS / "gunnerus.md", {"foil errors": compared_table(found, steered)})
     lacking = diagnose(runs, file, out / "diagnosis", twins=0)
     causes = f"{causes_table(lacking)}\n\n{residual_force_sentence(lacking)}"
     write_parts(DOCS / "gunnerus.md", {"causes": causes})

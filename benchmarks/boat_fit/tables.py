@@ -21,6 +21,12 @@ from swamp_rl.criticism.report.evidence import TRIVIAL
 from swamp_rl.doctor.examine import examine
 from swamp_rl.doctor.read import read_records
 
+COMPARED = {
+    "position, m": ([0, 1], 1.0),
+    "heading, deg": ([2], float(np.degrees(1.0))),
+    "sway, m/s": ([4], 1.0),
+}
+"""Columns of the errors of two files, and the factor on them."""
 SHOWN = 5.0  # s, horizon of the table by run
 PREDICTORS = ["identified with gains", "without gains", *(name.replace("_", " ") for name in TRIVIAL)]
 
@@ -38,6 +44,28 @@ def error_table(found: Identification) -> str:
         for was, now, with_gains in zip(found.before, found.after, found.predicted, strict=True)
     ]
     return table(["horizon, s", "start", *PREDICTORS], rows)
+
+
+def compared_table(found: Identification, other: Identification) -> str:
+    """Errors on the held-out runs of two identified files, and the intervals of their differences."""
+    weight, rows = weights(found.data.held_out, noise_levels(found.data.held_out)), []
+    files = [replace(found.data.held_out, boat=one.boat) for one in (found, other)]
+    latest = np.maximum(*(runs.first_compared for runs in files))
+    for runs in files:
+        vars(runs)["first_compared"] = latest  # the cached property: both predict from the same rows
+    for horizon in (one.horizon_s for one in found.after):
+        before, after = (boat_file_errors(runs, weight, horizon) for runs in files)
+        block, row = blocks_of(after, horizon)[0], [f"{horizon:g}"]
+        for columns, factor in COMPARED.values():
+            paired = change(
+                before.error[:, columns], after.error[:, columns], block, np.random.default_rng(0)
+            )
+            if paired:
+                sizes = [factor * size for size in (paired.before, paired.after, *paired.ci95)]
+                row += [f"{sizes[0]:.3f}", f"{sizes[1]:.3f}", f"{sizes[2]:.3f} to {sizes[3]:.3f}"]
+        rows.append(row)
+    heads = [part for name in COMPARED for part in (f"{name}, without", "with", "95 % of the difference")]
+    return table(["horizon, s", *heads], rows)
 
 
 def number_table(found: Identification) -> str:
