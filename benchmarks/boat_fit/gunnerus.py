@@ -21,6 +21,7 @@ from swamp_rl.boat.defaults import assumed
 from swamp_rl.boat.estimate import DENSITY, annotated, boat_file
 from swamp_rl.boat.estimate_hull import FIN_ASPECT, fullness
 from swamp_rl.boat_fit.identify import identify_boat
+from swamp_rl.boat_fit.result import Identification
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.criticism.report.words import residual_force_sentence
 from swamp_rl.logs.import_logs import Reading, import_logs
@@ -71,6 +72,8 @@ KEEP = "keep=" + "*".join(
 )
 FOIL_SPREAD, GAMMA_SD = 0.4, 0.15
 """Standard deviation of the prior of a foil's area, a share of it, and of γ, as of a rudder of `boat new`."""
+OF_FOILS = ("foil.area", "foil.gamma", "azimuth_offset", "inertia_z", "hull.y_v", "hull.n_v", "hull.n_r")
+"""Numbers of the table on foils."""
 FEWEST, TURNED = 60.0, 2.0  # s of a run, and rad that it turns at least, whose clock is compared
 
 
@@ -157,6 +160,14 @@ def clock_table(measured: list[Run]) -> str:
     return table(["run", "way by positions / by speeds", "turn by heading / by yaw rate"], rows)
 
 
+def foil_parts(found: Identification, steered: Identification) -> dict[str, str]:
+    """The parts of the page on the identified file whose drives are foils; found: the one without."""
+    return {
+        "foil errors": compared_table(found, steered),
+        "foil numbers": number_table(steered, OF_FOILS),
+    }
+
+
 def main() -> None:
     """Write the page's tables."""
     source, out = source_and_out(__doc__)
@@ -181,7 +192,7 @@ def main() -> None:
     write_parts(DOCS / "gunnerus.md", parts)
     foils = start_file(out / "gunnerus_foils.yaml", content_with_foils())
     steered = identify_boat(runs, foils, out / "identified_foils.yaml")
-    write_parts(DOCS / "gunnerus.md", {"foil errors": compared_table(found, steered)})
+    write_parts(DOCS / "gunnerus.md", foil_parts(found, steered))
     lacking = diagnose(runs, file, out / "diagnosis", twins=0)
     causes = f"{causes_table(lacking)}\n\n{residual_force_sentence(lacking)}"
     write_parts(DOCS / "gunnerus.md", {"causes": causes})

@@ -1,5 +1,6 @@
 """The tables of a page on a measured boat."""
 
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -68,8 +69,8 @@ def compared_table(found: Identification, other: Identification) -> str:
     return table(["horizon, s", *heads], rows)
 
 
-def number_table(found: Identification) -> str:
-    """The numbers that the runs show."""
+def number_table(found: Identification, names: Collection[str] = ()) -> str:
+    """The numbers that the runs show, or those whose names end in one of `names`."""
     rows = [
         [
             f"`{one.number.name}`",
@@ -79,7 +80,7 @@ def number_table(found: Identification) -> str:
             one.number.unit,
         ]
         for one in found.fitted
-        if one.shown
+        if (one.number.name.endswith(tuple(names)) if names else one.shown)
     ]
     return table(["number", "start", "identified", "standard error", "unit"], rows)
 
