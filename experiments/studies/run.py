@@ -140,8 +140,8 @@ def _earlier(folder: Path, scene: Scene) -> Path | None:
         return None
     held = description(scene)
     if not same_training(held, folder):
-        other = next(iter(differences(folder, held)), "")
+        other = next((f" ({one})" for one in differences(folder, held)), "")
         raise UserError(
-            f"{folder}: holds pilots trained with another configuration or version ({other}), {KEPT}"
+            f"{folder}: holds pilots trained with another configuration or version{other}, {KEPT}"
         )
     return folder
