@@ -1,4 +1,4 @@
-"""Foils of thrusters: their force, symmetry, invariance, energy and the order of the integration."""
+"""Foils of thrusters: their force and energy, and the order of the integration."""
 
 import math
 from typing import Any
@@ -8,23 +8,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat import load_boat
 from swamp_rl.physics.foil import foil_forces
 from swamp_rl.physics.rudder import rudder_forces
 from swamp_rl.simulator import parameters
-from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
-from tests.support.boats import Array, commands, track
+from swamp_rl.simulator.state import SURGE, SWAY, YAW_RATE
+from tests.support.boats import FOIL, Array, commands, track, with_foils
 
-AREA, ASPECT = 0.01, 1.5
-FOIL = {"area": AREA, "aspect_ratio": ASPECT}
+AREA, ASPECT = FOIL["area"], FOIL["aspect_ratio"]
 SLOPE = 6.13 * ASPECT / (2.25 + ASPECT)
 speeds, rates = st.floats(-1.5, 1.5), st.floats(-1.5, 1.5)
 angles = st.floats(-math.pi, math.pi)
-
-
-def with_foils(**keys: Any) -> Boat:
-    """SWAMP with a foil at each of its four jets."""
-    return load_boat("swamp", {"thruster_model": {"foil": FOIL | keys}})
 
 
 BOAT = with_foils()
@@ -34,15 +28,6 @@ RECORD = parameters(BOAT)[0]
 def bs_of(u: float, v: float, r: float) -> Array:
     """Velocity (2,) of the thruster bs through the water."""
     return np.array([u - r * float(RECORD["thruster_y"][0]), v + r * float(RECORD["thruster_x"][0])])
-
-
-def lively(seed: int, steps: int = 300) -> Array:
-    """Random azimuths and throttles, changed once a second."""
-    rng = np.random.default_rng(seed)
-    chosen = np.concatenate(
-        [rng.uniform(-np.pi / 2, np.pi / 2, (steps // 10, 4)), rng.uniform(0, 1, (steps // 10, 4))], axis=1
-    )
-    return np.repeat(chosen, 10, axis=0)
 
 
 @given(angle=angles, u=speeds, v=speeds, r=rates)
@@ -136,28 +121,6 @@ def test_gamma_straightens_the_flow_across_the_boat() -> None:
         expected = foil_forces(angle, u, 0.5 * v, 0.0, 0, RECORD)
         assert straightened[:2] == pytest.approx(expected[:2])
         assert straightened[2] == pytest.approx(at.x * expected[1] - at.y * expected[0])
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_mirrored_commands_give_the_mirrored_track(seed: int) -> None:
-    command = lively(seed)
-    swap = [1, 0, 3, 2]
-    mirrored = np.concatenate([-command[:, :4][:, swap], command[:, 4:][:, swap]], axis=1)
-    boat = with_foils(stall_angle=0.4, gamma=0.7)
-    one, other = track(boat, command, current_north=0.1), track(boat, mirrored, current_north=0.1)
-    other[:, [EAST, HEADING, SWAY, YAW_RATE]] *= -1.0
-    assert np.allclose(one[:, :6], other[:, :6], rtol=0, atol=1e-9)
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_motion_in_a_uniform_current_is_the_still_water_motion_carried_along(seed: int) -> None:
-    command, north, east = lively(seed), 0.31, -0.22
-    still = track(BOAT, command)
-    drifting = track(BOAT, command, velocity=(north, east, 0.0), current_north=north, current_east=east)
-    time = 0.1 * np.arange(len(command) + 1)
-    assert np.allclose(drifting[:, NORTH] - north * time, still[:, NORTH], rtol=0, atol=1e-9)
-    assert np.allclose(drifting[:, EAST] - east * time, still[:, EAST], rtol=0, atol=1e-9)
-    assert np.allclose(drifting[:, HEADING], still[:, HEADING], rtol=0, atol=1e-9)
 
 
 def test_the_integration_is_of_order_four() -> None:

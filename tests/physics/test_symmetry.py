@@ -6,14 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from swamp_rl.boat import load_boat
+from swamp_rl.boat import Boat, load_boat
 from swamp_rl.physics.hull import crossflow_integrals
 from swamp_rl.physics.motion import external_forces
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.state import EAST, HEADING, NORTH, SURGE, SWAY, YAW_RATE
-from tests.support.boats import Array, commands, forces_on_hull, track
+from tests.support.boats import Array, commands, forces_on_hull, track, with_foils
 
 BOAT = load_boat("swamp")
+FOILED = with_foils(stall_angle=0.4, gamma=0.7)
 LENGTH = BOAT.length
 speeds = st.floats(-1.5, 1.5)
 
@@ -33,22 +34,24 @@ def mirrored_commands(command: Array) -> Array:
     return np.concatenate([-command[:, :4][:, swap], command[:, 4:][:, swap]], axis=1)
 
 
+@pytest.mark.parametrize("boat", [BOAT, FOILED], ids=["jets", "with foils"])
 @pytest.mark.parametrize("seed", range(3))
-def test_mirrored_commands_give_the_mirrored_track(seed: int) -> None:
+def test_mirrored_commands_give_the_mirrored_track(seed: int, boat: Boat) -> None:
     command = lively_commands(seed)
     weather = {"current_north": 0.1, "wind_speed": 4.0, "wind_from": 0.0, "external_force_north": 0.7}
-    one = track(BOAT, command, **weather)
-    other = track(BOAT, mirrored_commands(command), **weather)
+    one = track(boat, command, **weather)
+    other = track(boat, mirrored_commands(command), **weather)
     other[:, [EAST, HEADING, SWAY, YAW_RATE]] *= -1.0
     assert np.allclose(one[:, :6], other[:, :6], rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize("boat", [BOAT, FOILED], ids=["jets", "with foils"])
 @pytest.mark.parametrize("seed", range(3))
-def test_motion_in_a_uniform_current_is_the_still_water_motion_carried_along(seed: int) -> None:
+def test_motion_in_a_uniform_current_is_the_still_water_motion_carried_along(seed: int, boat: Boat) -> None:
     command, north, east = lively_commands(seed), 0.31, -0.22
-    still = track(BOAT, command)
+    still = track(boat, command)
     # at rest relative to the moving water at the start, as the other is in still water
-    drifting = track(BOAT, command, velocity=(north, east, 0.0), current_north=north, current_east=east)
+    drifting = track(boat, command, velocity=(north, east, 0.0), current_north=north, current_east=east)
     time = 0.1 * np.arange(len(command) + 1)
     assert np.allclose(drifting[:, NORTH] - north * time, still[:, NORTH], rtol=0, atol=1e-9)
     assert np.allclose(drifting[:, EAST] - east * time, still[:, EAST], rtol=0, atol=1e-9)

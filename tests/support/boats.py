@@ -5,12 +5,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.boat import Boat
+from swamp_rl.boat import Boat, load_boat
 from swamp_rl.physics.hull import hull_forces
 from swamp_rl.physics.resistance import towing
 from swamp_rl.simulator import initial_state, parameters, simulate, tank
 
 Array = NDArray[np.float64]
+FOIL = {"area": 0.01, "aspect_ratio": 1.5}
+
+
+def with_foils(**keys: float) -> Boat:
+    """SWAMP with a foil at each of its four jets; keys: of the foils, beside FOIL."""
+    return load_boat("swamp", {"thruster_model": {"foil": FOIL | keys}})
 
 
 def commands(bow: float, stern: float, throttle: tuple[float, float, float, float], steps: int) -> Array:
