@@ -17,6 +17,7 @@ from swamp_rl.explain import explain as explain
 from swamp_rl.explain import explanations as explanations
 from swamp_rl.explain import in_yaml, likest
 from swamp_rl.explain import validated as validated
+from swamp_rl.names import is_yaml
 from swamp_rl.ordinary import ordinary
 from swamp_rl.yaml_text import MOST_BYTES, dumped, parsed, remedy
 
@@ -235,7 +236,7 @@ def or_beside(path: Path, named: str) -> str:
 
 
 def _is_path(given: Path) -> bool:
-    return given.suffix.lower() in (".yaml", ".yml") or len(given.parts) != 1
+    return is_yaml(given) or len(given.parts) != 1
 
 
 def is_file(path: Path) -> bool:

@@ -11,6 +11,11 @@ LONGEST = 200
 YAML = (".yaml", ".yml")
 
 
+def is_yaml(name: str | Path) -> bool:
+    """Whether a name or path is that of a YAML file, whatever the case of its letters."""
+    return str(name).lower().endswith(YAML)
+
+
 def plain_name(name: str, suffixes: Collection[str] = ("",)) -> str:
     """The name, if it can only be that of a file in a folder; else ValueError with what is allowed.
 

@@ -18,7 +18,7 @@ from swamp_rl.demo.scene import Align, DemoScene, demo_scene
 from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, shipped_folders
 from swamp_rl.json_text import read_json
-from swamp_rl.names import YAML, file_in
+from swamp_rl.names import YAML, file_in, is_yaml
 from swamp_rl.pilots.arguments import Asked, asked_pilot, names_pilot
 from swamp_rl.pilots.store import BUILT_IN, known_names
 from swamp_rl.runs import DatasetMeta, Run, read_dataset, read_run
@@ -203,7 +203,7 @@ def _driver(run: Run, source: str) -> str:
 
 def _read_file(path: Path) -> Found:
     if not is_table(path):
-        kind = config_kind(read_yaml(path)) if path.suffix.lower() in (".yaml", ".yml") else None
+        kind = config_kind(read_yaml(path)) if is_yaml(path) else None
         what = one_file(kind) if kind else "no file of a run (.csv, .parquet)"
         raise UserError(f"{path}: is {what}; name a dataset, a results folder, a run's file or a pilot")
     if not (path.parent / META).is_file():

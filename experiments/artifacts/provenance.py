@@ -14,6 +14,7 @@ from swamp_rl.experiments.config.schema import Experiment, senses_in
 
 from swamp_rl.errors import UserError
 from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, refuse_object, yaml_text
+from swamp_rl.names import is_yaml
 from swamp_rl.own_code import source_digests
 from swamp_rl.pilots.own import SHIPPED, model_file, own_class, settings_of
 
@@ -111,7 +112,7 @@ def same_configs(config: Path | None) -> Iterator[None]:
 def _named_in(data: Any) -> Iterator[str]:
     """Every text in a configuration that may be the path of a file."""
     if isinstance(data, str):
-        if data.lower().endswith((".yaml", ".yml")):
+        if is_yaml(data):
             yield data
     elif isinstance(data, Mapping | list):
         for part in data.values() if isinstance(data, Mapping) else data:

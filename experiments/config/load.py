@@ -21,6 +21,7 @@ from swamp_rl.config_kind import refuse_other_kind
 from swamp_rl.errors import UserError, errors_at
 from swamp_rl.explain import in_yaml
 from swamp_rl.files import config_beside, find_config, is_file, or_beside, read_yaml, validated
+from swamp_rl.names import is_yaml
 from swamp_rl.own_code import is_code
 from swamp_rl.pilots.own import is_named, runs_code
 from swamp_rl.yaml_text import DEEPEST, parsed
@@ -184,7 +185,7 @@ def _extended(path: Path, seen: tuple[Path, ...]) -> list[tuple[Path, dict[str, 
 def _base_of(path: Path, base: str) -> Path:
     """The experiment that the one at `path` extends: a file beside it, or as `find_config` finds it."""
     beside = path.parent / base
-    if beside.suffix.lower() in (".yaml", ".yml") and beside.is_file():
+    if is_yaml(beside) and beside.is_file():
         return beside
     with errors_at(f"{path}: extends"):
         return find_config("experiments", base)

@@ -13,6 +13,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError, errors_at
 from swamp_rl.files import read_yaml, validated
 from swamp_rl.logs.expression import Node, names_in, parsed
+from swamp_rl.names import is_yaml
 from swamp_rl.units import UNITS
 
 Frame = Literal["ned", "enu"]
@@ -169,7 +170,7 @@ def _pair(where: str, text: str) -> Pair:
 
 def _file(option: str) -> MappingFile:
     path = Path(option)
-    if path.suffix.lower() not in (".yaml", ".yml"):
+    if not is_yaml(path):
         raise UserError(
             f"--map {clipped(option)}: give COLUMN=EXPRESSION, as in throttle_left='(pwm_left-1500)/400', "
             "or a .yaml file"

@@ -13,6 +13,7 @@ from swamp_rl.effects import LIBRARY
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
 from swamp_rl.files import read_yaml
+from swamp_rl.names import is_yaml
 from swamp_rl.printed_figures.manoeuvres import FIGURES, KEYS, NEEDED, OPTIONAL
 
 Positive = Annotated[float, Field(gt=0.0, le=1e6)]
@@ -123,7 +124,7 @@ PARTS: dict[str, type[Part]] = {"loads": Load, "particulars": Particular, "figur
 
 def is_figures_file(path: Path) -> bool:
     """Whether `path` is a YAML file, which holds figures, and not a folder of runs."""
-    return path.suffix.lower() in (".yaml", ".yml")
+    return is_yaml(path)
 
 
 def read_figures(path: Path, boat: Boat) -> FiguresFile:

@@ -12,7 +12,7 @@ from swamp_rl.boat.load import boat_chain
 from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, os_error, read_yaml, yaml_text
-from swamp_rl.names import YAML, file_in, plain_name
+from swamp_rl.names import YAML, file_in, is_yaml, plain_name
 from swamp_rl.ordinary import contents
 from swamp_rl.runs.schema import COURSE, META, DatasetMeta
 from swamp_rl.yaml_text import MOST_BYTES
@@ -113,7 +113,7 @@ def _carried(folder: Path, meta: DatasetMeta, name: str, suffix: str) -> str | P
     refuse_changed(folder, meta)
     if name + suffix in meta.copies:
         return file_in(folder, name + suffix, YAML)
-    if not name.lower().endswith(YAML):
+    if not is_yaml(name):
         return _known_name(folder, name)
     found = file_in(folder, name, YAML)
     if not found.is_file():
@@ -158,6 +158,6 @@ def _refuse_reaching_out(folder: Path, boat: str | Path) -> None:
             return  # nothing, or what the loader refuses
         try:
             name = plain_name(base)
-            boat = file_in(folder, name, YAML) if name.lower().endswith(YAML) else name
+            boat = file_in(folder, name, YAML) if is_yaml(name) else name
         except (ValueError, UserError) as error:
             raise UserError(f"{boat}: extends: {error}") from error

@@ -15,7 +15,7 @@ from swamp_rl.course import Course
 from swamp_rl.course.outcome import outcome_of
 from swamp_rl.errors import UserError
 from swamp_rl.files import explanations, read_yaml
-from swamp_rl.names import YAML, file_in
+from swamp_rl.names import YAML, file_in, is_yaml
 from swamp_rl.runs.check import STEP_TOLERANCE, typical_step
 from swamp_rl.runs.faults import Fault
 from swamp_rl.runs.run import Run
@@ -75,7 +75,7 @@ def parse(
 
 
 def _name(config: str | Path) -> str:
-    return Path(config).stem if str(config).endswith(YAML) else str(config)
+    return Path(config).stem if is_yaml(config) else str(config)
 
 
 def is_table(path: Path) -> bool:
