@@ -286,13 +286,15 @@ def disturbances(
     ] = None,
 ) -> None:
     """Write a diagnosis, with its standard errors, as disturbances for training."""
-    from swamp_rl.experiments.config.posterior import diagnosed_boat, write_posterior
+    from swamp_rl.experiments.config.posterior import diagnosed_boat, posterior_limits, write_posterior
 
     level = write_posterior(diagnosis, out, among)
     boat = diagnosed_boat(diagnosis)
     has = "not its extended file, which has these effects already"
     suited = "" if boat is None else f"; for boat {boat}, {has}"
     typer.echo(f"{out}: {', '.join(entry['effect'] for entry in level['effects'])}{suited}")
+    for line in posterior_limits(diagnosis):
+        typer.echo(f"  {line}")
 
 
 def simulate_windows(

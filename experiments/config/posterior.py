@@ -13,6 +13,7 @@ from swamp_rl.boat import load_boat
 from swamp_rl.clipped import clipped
 from swamp_rl.criticism.model.extended_boat import BOAT
 from swamp_rl.criticism.options import options
+from swamp_rl.criticism.report.words import in_file_names
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.effects.declare import LIBRARY, Parameter
 from swamp_rl.effects.entries import ALL
@@ -57,13 +58,27 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     beside = f", among the disturbances of {Path(among).stem}" if among else ""
     level = below | {
         "description": f"result of a diagnosis, with its standard errors{beside}; for the boat that was "
-        f"diagnosed: {BOAT} has these effects already",
+        f"diagnosed: {BOAT} has these effects already" + "".join(f"; {one}" for one in _limits(found)),
         "effects": entries + others,
         **_correlated(entries, _carried(found.correlation, every)),
     }
     level_of(level, f"{diagnosis}")
     write_yaml(out, level)
     return level
+
+
+def posterior_limits(diagnosis: Path) -> list[str]:
+    """What the level of a `diagnosis.json` leaves out, one line each; UserError as `write_posterior`."""
+    return _limits(_read(diagnosis))
+
+
+def _limits(found: Diagnosis | FiguresDiagnosis) -> list[str]:
+    if found.verdict == "unexplained":
+        return ["verdict unexplained: these effects explain a part of the model error, the rest is left out"]
+    if found.verdict == "indistinguishable":
+        others = [label for labels in found.indistinguishable for label in labels[1:]]
+        return [f"verdict indistinguishable: the cause may also be {in_file_names(' or '.join(others))}"]
+    return []
 
 
 def diagnosed_boat(diagnosis: Path) -> str | None:

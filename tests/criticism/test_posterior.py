@@ -16,6 +16,8 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.reference import size_of
+from tests.support.command_line import Call
+from tests.support.command_line import call as call
 from tests.support.from_scratch import written
 
 pytestmark = pytest.mark.numerical
@@ -127,6 +129,31 @@ def test_a_cause_that_does_not_carry_over_is_left_out_with_its_correlations(tmp_
     assert level["correlated"] == {"numbers": ["0.north", "0.east"], "matrix": [[1.0, 0.3], [0.3, 1.0]]}
     with pytest.raises(UserError, match="names none that carries over to held-out runs"):
         write_posterior(diagnosis(tmp_path, failed), tmp_path / "other.yaml")
+
+
+@pytest.mark.parametrize(
+    ("verdict", "others", "line"),
+    [
+        (
+            "unexplained",
+            [],
+            "verdict unexplained: these effects explain a part of the model error, the rest is left out",
+        ),
+        (
+            "indistinguishable",
+            [["thruster_gain bs", "wind by_run + linear_drag"]],
+            "verdict indistinguishable: the cause may also be wind (another in each run) + linear_drag",
+        ),
+    ],
+)
+def test_the_level_of_a_diagnosis_in_doubt_says_so(
+    tmp_path: Path, call: Call, verdict: str, others: list[list[str]], line: str
+) -> None:
+    path = diagnosis(tmp_path, WEAK)
+    found = json.loads(path.read_text()) | {"verdict": verdict, "indistinguishable": others}
+    path.write_text(json.dumps(found))
+    assert line in call("disturbances", path, "--out", "found.yaml")[1]
+    assert read_yaml(tmp_path / "found.yaml")["description"].endswith(line)
 
 
 def test_nothing_is_drawn_beyond_the_bounds_of_an_effect(tmp_path: Path) -> None:
