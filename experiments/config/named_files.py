@@ -1,5 +1,6 @@
 """The boat, the course and the levels of disturbance that an experiment names."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 from swamp_rl.experiments.config.schema import Experiment
@@ -30,11 +31,33 @@ def refuse_missing(where: Path | str, experiment: Experiment) -> None:
 
 def levels_of(experiment: Experiment) -> dict[str, str]:
     """Every level that an experiment names, each once, with the first key that names it."""
-    named: list[tuple[str, str | None]]
-    named = [("evaluation.levels", level) for level in experiment.evaluation.levels]
-    named += [("data.record.disturbances", experiment.data.record.disturbances)]
-    named += [(f"pilots.{name}.disturbances", plan.disturbances) for name, plan in experiment.pilots.items()]
-    named += [("hidden.logs.disturbances", experiment.hidden.logs.disturbances)] if experiment.hidden else []
+    named = [*_flown_at(experiment), ("data.record.disturbances", experiment.data.record.disturbances)]
+    return _by_level([*named, *_trained_at(experiment)])
+
+
+def levels_flown(experiment: Experiment) -> dict[str, str]:
+    """The levels of the boat that is evaluated and logged, each once, with the first key that names it."""
+    return _by_level(_flown_at(experiment))
+
+
+def levels_learned(experiment: Experiment) -> dict[str, str]:
+    """The levels of the boat in which runs are recorded and pilots trained, as `levels_flown`."""
+    data = experiment.data
+    recorded = [("data.record.disturbances", data.record.disturbances)] if data.folder is None else []
+    return _by_level([*recorded, *_trained_at(experiment)])
+
+
+def _flown_at(experiment: Experiment) -> list[tuple[str, str | None]]:
+    hidden = experiment.hidden
+    logged = [("hidden.logs.disturbances", hidden.logs.disturbances)] if hidden else []
+    return [*(("evaluation.levels", level) for level in experiment.evaluation.levels), *logged]
+
+
+def _trained_at(experiment: Experiment) -> list[tuple[str, str | None]]:
+    return [(f"pilots.{name}.disturbances", plan.disturbances) for name, plan in experiment.pilots.items()]
+
+
+def _by_level(named: Iterable[tuple[str, str | None]]) -> dict[str, str]:
     levels: dict[str, str] = {}
     for key, level in named:
         if level is not None:

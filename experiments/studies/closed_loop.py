@@ -15,9 +15,11 @@ from swamp_rl.experiments.artifacts.provenance import CONFIG, TRUE_BOAT, WORK, s
 from swamp_rl.experiments.artifacts.results import pilot_results
 from swamp_rl.experiments.artifacts.stages import Stages, measured
 from swamp_rl.experiments.config.digests import write_hashes
+from swamp_rl.experiments.config.named_files import levels_flown
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import Logs
 from swamp_rl.experiments.evaluation.episodes import try_pilots
+from swamp_rl.experiments.training.effects_twice import effects_twice
 from swamp_rl.experiments.training.train import get_data, train_pilots
 
 from swamp_rl.angles import wrapped
@@ -66,6 +68,9 @@ def close_loop(scene: Scene, folder: Path, progress: Stages) -> dict[str, Any]:
     truth, plan = true_scene(scene), scene.experiment.hidden
     assert plan is not None
     write_true_boat(truth, folder)
+    named = truth.boat.model_copy(update={"name": true_name(truth)})
+    for line in effects_twice(named, levels_flown(truth.experiment)):
+        progress.say(line)
     if not (folder / "logs").exists():
         with progress.stage("log the true boat"), folder_beside(folder / "logs") as part:
             write_logs(truth, plan.logs, part)
@@ -93,10 +98,15 @@ def write_true_boat(truth: Scene, folder: Path) -> None:
         folder / TRUE_BOAT,
         {
             "extends": f"{CONFIG}/boats/{base}",
-            "name": f"{truth.boat.name}-true",
+            "name": true_name(truth),
             "effects": [entry_mapping(entry) for entry in effects],
         },
     )
+
+
+def true_name(truth: Scene) -> str:
+    """How the true boat is named, in its file and in notes."""
+    return f"{truth.boat.name}-true"
 
 
 def called(name: str, simulator: str) -> str:

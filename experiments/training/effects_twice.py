@@ -1,10 +1,8 @@
 """Effects of a level of disturbance that the boat file has already."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
-from swamp_rl.experiments.config.named_files import levels_of
-from swamp_rl.experiments.config.scene import Scene
-
+from swamp_rl.boat import Boat
 from swamp_rl.effects.apply import selected
 from swamp_rl.effects.entries import EffectEntry
 from swamp_rl.effects.levels import read_level
@@ -12,13 +10,14 @@ from swamp_rl.effects.random_entry import RandomEntry
 from swamp_rl.simulator.reference import size_of
 
 
-def effects_twice(scene: Scene) -> list[str]:
-    """One line for each level with effects that the boat has too and that add up or multiply: both act.
+def effects_twice(boat: Boat, levels: Mapping[str, str]) -> list[str]:
+    """One line for each level, by level its key in the experiment, with effects that `boat` has too and that
+    add up or multiply: both act.
 
     So does the level that `swamp-rl disturbances` writes of a diagnosis, on the boat that this extended.
     """
-    boat, lines = scene.boat, list[str]()
-    for level, key in levels_of(scene.experiment).items():
+    lines = list[str]()
+    for level, key in levels.items():
         entries = read_level(level, size_of(boat), boat.thruster_names)[1].entries
         twice = [own for own in boat.effects if any(_adds(own, one, boat.thruster_names) for one in entries)]
         if twice:

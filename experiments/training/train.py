@@ -17,6 +17,7 @@ from swamp_rl.experiments.config.learners import (
     settings_of_plan,
 )
 from swamp_rl.experiments.config.made import made_of
+from swamp_rl.experiments.config.named_files import levels_flown, levels_learned
 from swamp_rl.experiments.config.scene import Scene
 from swamp_rl.experiments.config.schema import PilotPlan
 from swamp_rl.experiments.training.coverage import calm_warning, warning
@@ -75,11 +76,15 @@ def notes(scene: Scene, dataset: Dataset) -> list[str]:
 
 def _notes_on_data(scene: Scene, dataset: Dataset) -> list[str]:
     ours, theirs = scene.boat, dataset.boat
-    twice, found = effects_twice(scene), run_faults(scene, dataset)
+    experiment = scene.experiment
+    # A closed loop evaluates its true boat, and says so itself.
+    levels = {} if experiment.hidden else levels_flown(experiment)
+    twice = effects_twice(ours, levels_learned(experiment) | levels)
+    found = run_faults(scene, dataset)
     if boat_digest(theirs) == boat_digest(ours):
         return [*twice, *found]
     other = "another version of boat" if theirs.name == ours.name else "boat"
-    name = scene.experiment.name
+    name = experiment.name
     return [
         *twice,
         f"{dataset.folder}: recorded with {other} {theirs.name}, experiment {name} has {ours.name}",
