@@ -159,7 +159,7 @@ def helm(
     voyage = _drive(bridge, ends, len(known.thrusters), seconds, place)
     if voyage.outcome is None and not voyage.rows:
         raise no_answer(ends, PATIENCE)
-    _report(voyage)
+    _report(voyage, bridge)
     if log is not None:
         _write_log(log, voyage, boat, course, asked.kind)
     if voyage.outcome is None:
@@ -196,14 +196,17 @@ def _refuse_log(log: Path) -> None:
         raise UserError(f"{log}: {home} is not a folder that may be written to; name another one for the log")
 
 
-def _report(voyage: "Voyage") -> None:
-    from swamp_rl.link.voyage_log import lateness_figures
+def _report(voyage: "Voyage", bridge: "Aboard") -> None:
+    from swamp_rl.link.voyage_log import lateness_figures, start_text
 
     late = {name: f"{1e3 * value:.3g} ms" for name, value in lateness_figures(voyage).items()}
     typer.echo(
         f"{voyage.outcome or 'telemetry lost'} after {len(voyage.lateness)} commands; lateness "
         f"{late['mean']} on average, {late['p99']} at the 99th percentile, {late['max']} at most"
     )
+    if voyage.rows:
+        passed = f"{bridge.passed} of {counted(len(bridge.course.gates), 'gate')} passed"
+        typer.echo(f"{passed}; {start_text(voyage, bridge.course)}")
     typer.echo(
         f"periods missed: {voyage.missed}, without fresh telemetry: {voyage.silent}; "
         f"packets ignored: {voyage.ignored}"

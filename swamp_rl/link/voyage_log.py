@@ -7,6 +7,7 @@ import numpy as np
 
 from swamp_rl.angles import wrapped
 from swamp_rl.boat import Boat
+from swamp_rl.course import Course
 from swamp_rl.errors import UserError
 from swamp_rl.link.helm import PERIOD, Voyage
 from swamp_rl.link.stream import SENSES
@@ -48,6 +49,20 @@ def columns_of(voyage: Voyage, boat: Boat) -> dict[str, np.ndarray]:
             if column is not None:
                 columns[column] = found
     return columns
+
+
+def start_text(voyage: Voyage, course: Course) -> str:
+    """Where the boat was at first, against the course's start, and the first gates that lay behind it."""
+    north, east = (float(value) for value in voyage.rows[0][1:3])
+    pose, behind = course.start.pose, list[str]()
+    for gate in course.gates:
+        along = (north - gate.centre.north) * math.cos(gate.heading)
+        if along + (east - gate.centre.east) * math.sin(gate.heading) < 0.0:
+            break
+        behind.append(gate.name)
+    away = math.hypot(north - pose.north, east - pose.east)
+    beyond = f", beyond gate {' and gate '.join(behind)}" if behind else ""
+    return f"began {away:.3g} m from the start of the course{beyond}"
 
 
 def lateness_figures(voyage: Voyage) -> dict[str, float]:

@@ -35,6 +35,28 @@ def test_a_pilot_drives_a_served_vehicle_and_its_log_is_a_dataset(
     assert len(read_dataset(tmp_path / f"log-{number}").runs[0].time) >= 10
 
 
+@pytest.mark.parametrize(
+    "north, line",
+    [
+        (0.0, "began 0 m from the start of the course\n"),
+        (
+            30.0,
+            "began 30 m from the start of the course, beyond gate green and gate red\n",
+        ),
+    ],
+)
+def test_a_helm_says_where_the_boat_began(
+    call: Call, monkeypatch: pytest.MonkeyPatch, north: float, line: str
+) -> None:
+    monkeypatch.setattr(driving, "PATIENCE", PATIENCE)
+    vehicle = vehicle_of(Conduct(), own_network().text)
+    vehicle.state[0, 0] = north
+    with served(vehicle, speed=1.0):
+        found = call("helm", "line-of-sight", "--link", vehicle.addresses.text, "--seconds", "1")
+        until(lambda: not any(module.runs(0) for module in vehicle.modules), "the vehicle's pumps are off")
+    assert f"0 of 2 gates passed; {line}" in found[1]
+
+
 def test_a_vehicle_writes_a_log_that_is_imported(call: Call, tmp_path: Path) -> None:
     address = own_network().text
     code, message, _ = call("vehicle", "swamp", "--address", address, "--seconds", "1", "--log", "v.log")
