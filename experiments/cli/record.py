@@ -209,9 +209,12 @@ def _berth(folder: Path, boat: str, course: str, disturbances: str, source: str)
 
 def _names(paths: Iterable[Path]) -> list[str]:
     """What pilots or boats are called: after their folders or files, numbered where two have the same."""
+    from swamp_rl.names import is_yaml
+
     names: list[str] = []
     for path in paths:
-        name = re.sub(r"[^\w.-]", "_", path.resolve().name.removesuffix(".yaml"))[:60]
+        place = path.resolve()
+        name = re.sub(r"[^\w.-]", "_", place.stem if is_yaml(place) else place.name)[:60]
         same = sum(taken.partition(" ")[0] == name for taken in names)
         names.append(f"{name} {same + 1}" if same else name)
     return names

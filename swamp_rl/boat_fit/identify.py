@@ -41,13 +41,14 @@ from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.errors import UserError
 from swamp_rl.files import new_files_beside, refuse_existing, yaml_text
+from swamp_rl.names import YAML, is_yaml
 from swamp_rl.one_thread import one_thread
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.divergence import DivergenceError
 
 Array = NDArray[np.float64]
 
-SUFFIX, REPORT = ".yaml", ".html"
+REPORT = ".html"
 # standard errors of the fit to short windows, from which saturation and an offset of the compass are seen
 SEEN = 3.0
 AT_BOUND = 1e-3  # of the prior width, within which a number is at its bound
@@ -204,8 +205,8 @@ def _written(
 
 def refuse_to_overwrite(out: Path) -> None:
     """UserError unless `out` is the name of a new boat file."""
-    if out.suffix != SUFFIX:
-        raise UserError(f"{out}: is not the name of a boat file; --out must end in {SUFFIX}")
+    if not is_yaml(out):
+        raise UserError(f"{out}: is not the name of a boat file; --out must end in {' or '.join(YAML)}")
     refuse_existing((out, out.with_suffix(REPORT)))
 
 

@@ -335,7 +335,8 @@ def test_bad_input_is_refused_with_one_line_and_nothing_written(call: Call, tmp_
     asked = ("identify", "boat", "runs", "--boat", "twin.yaml")
     for more, result in (
         (("--out", "twin.yaml"), "already exists"),
-        (("--out", "new.txt"), "--out must end in .yaml"),
+        (("--out", "new.txt"), "--out must end in .yaml or .yml"),
+        (("--out", "NEW.YAML"), "; a fit needs 20 s or more"),
         (("--out", "new.yaml"), "; a fit needs 20 s or more"),
         (("--out", "new.yaml", "--holdout", "runs"), "nothing would be held out"),
     ):

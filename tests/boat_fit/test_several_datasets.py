@@ -33,6 +33,14 @@ def test_the_runs_of_several_datasets_are_fitted_together(
     assert "identified from may, june" in (tmp_path / "new.yaml").read_text()
 
 
+def test_the_file_may_end_in_capitals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    start = sailed_days(tmp_path)
+    fit_thrust_alone(monkeypatch, start)
+    identify.identify_boat(tmp_path / "may", None, tmp_path / "New.YAML")
+    assert load_boat(tmp_path / "New.YAML").name == "New"
+    assert (tmp_path / "New.html").is_file()
+
+
 @pytest.mark.parametrize(
     ("second", "more", "message"),
     [("may", (), "is given twice"), ("june", ("--holdout", "june"), "nothing would be held out")],

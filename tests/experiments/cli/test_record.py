@@ -14,9 +14,12 @@ from typing import Any
 import pytest
 from websockets.sync.client import ClientConnection, connect
 
+from swamp_rl.files import write_yaml
 from swamp_rl.link.vehicle import Conduct
 from swamp_rl.runs import read_dataset
-from tests.support.command_line import COMMAND
+from swamp_rl.teleop import server
+from tests.support.command_line import COMMAND, Call
+from tests.support.command_line import call as call  # the fixture
 from tests.support.driving import aim
 from tests.support.link import own_network, served, vehicle_of
 from tests.support.patience import PATIENCE, until
@@ -73,6 +76,17 @@ def drive_for_rows(host: str, table: Path, wanted: int, then: Callable[[], objec
             angle = aim(*seen["pose"], seen["velocity"][2], seen["passed"])
             socket.send(json.dumps({"type": "command", "throttle": 1.0, "angle": angle}))
         then()
+
+
+def test_boats_are_named_after_their_files_whatever_the_case_of_the_suffix(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_yaml("Twin.YAML", {"extends": "swamp", "name": "twin"})
+    names: list[str] = []
+    monkeypatch.setattr(server, "serve", lambda hub, *given: names.extend(hub.session.berths))
+    boats = ("--boat", "swamp", "--boat", "Twin.YAML", "--boat", "./Twin.YAML")
+    assert call("record", "--out", "runs", "--port", "0", *boats)[0] == 0
+    assert names == ["swamp", "Twin", "Twin 2"]
 
 
 def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_interrupt(tmp_path: Path) -> None:
