@@ -74,6 +74,8 @@ class Entrant:
     label: str
     pilot: str
     trained: tuple[tuple[str, Result], ...]
+    members: tuple[tuple[str, Result], ...]
+    "As `trained`, with those that are a pilot of an earlier result."
 
     @property
     def results(self) -> tuple[Result, ...]:
@@ -144,12 +146,10 @@ def entrants(results: Sequence[Result]) -> list[Entrant]:
     for (method, _), members in groups.items():
         shared = sum(other == method for other, _ in groups) > 1
         label = f"{method} ({members[0][1].folder.resolve().name})" if shared else method
-        made.append(Entrant(label, method, _different(members)))
+        made.append(Entrant(label, method, _different(members), tuple(members)))
     labels = [one.label for one in made]
     return [
-        Entrant(f"{one.pilot} ({one.results[0].folder})", one.pilot, one.trained)
-        if labels.count(one.label) > 1
-        else one
+        replace(one, label=f"{one.pilot} ({one.results[0].folder})") if labels.count(one.label) > 1 else one
         for one in made
     ]
 

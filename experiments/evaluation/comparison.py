@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import reduce
 from itertools import combinations
 from pathlib import Path
@@ -52,16 +52,17 @@ FINEST = 40
 
 
 def compare(paths: Sequence[Path], seed: int = 0, only: Sequence[str] = ()) -> dict[str, Any]:
-    """Everything of compare.json; `seed` of all that is drawn. only: names of the pilots, all by default.
+    """Everything of compare.json; `seed` of all that is drawn. only: names of the pilots, all by default;
+    episodes, levels and notes are those of these alone.
 
     UserError for what does not compare.
     """
     results = [read_result(folder) for folder in find_results(paths)]
     refuse_other_settings(results)
     rng = np.random.default_rng(seed)
+    pilots = named(entrants(results), only)
+    results = with_pilots(results, pilots)
     episodes, notes = common_episodes(results)
-    every = entrants(results)
-    pilots = named(every, only)
     quantities = quantities_of(results)
     planned = math.comb(len(pilots), 2) * len(episodes) * len(quantities)
     pairs = list(combinations(pilots, 2))
@@ -74,7 +75,7 @@ def compare(paths: Sequence[Path], seed: int = 0, only: Sequence[str] = ()) -> d
         "boat": first.experiment.get("boat"),
         "course": first.experiment.get("course"),
         "levels": {level: len(seeds) for level, seeds in episodes.items()},
-        "notes": notes + repeat_notes(results, every) + version_notes(results),
+        "notes": notes + repeat_notes(results, pilots) + version_notes(results),
         "seed": seed,
         "pilots": [pilot_row(pilot, episodes, rng, quantities) for pilot in pilots],
         "comparisons": sum(math.isfinite(row["p"]) for row in made),
@@ -90,7 +91,7 @@ def named(pilots: list[Entrant], only: Sequence[str]) -> list[Entrant]:
     UserError for a name that none has.
     """
     names = [
-        {one.label, one.pilot, one.pilot.partition(", ")[0], *(pilot for pilot, _ in one.trained)}
+        {one.label, one.pilot, one.pilot.partition(", ")[0], *(pilot for pilot, _ in one.members)}
         for one in pilots
     ]
     for name in only:
@@ -98,6 +99,17 @@ def named(pilots: list[Entrant], only: Sequence[str]) -> list[Entrant]:
             every = list(dict.fromkeys(one.pilot for one in pilots))
             raise UserError(f"no pilot {name!r} in the results{nearest(name, every)}")
     return [one for one, known in zip(pilots, names, strict=True) if not only or known & set(only)]
+
+
+def with_pilots(results: Sequence[Result], pilots: Sequence[Entrant]) -> list[Result]:
+    """The results that hold one of `pilots`, with the episodes of these alone."""
+    members = {(pilot, result.folder) for one in pilots for pilot, result in one.members}
+
+    def tables(result: Result) -> dict[tuple[str, str], Table]:
+        every = result.tables.items()
+        return {(pilot, at): table for (pilot, at), table in every if (pilot, result.folder) in members}
+
+    return [replace(result, tables=found) for result in results if (found := tables(result))]
 
 
 def quantities_of(results: Sequence[Result]) -> tuple[str, ...]:

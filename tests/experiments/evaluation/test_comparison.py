@@ -219,6 +219,18 @@ def test_only_common_episodes_count_and_it_is_said(tmp_path: Path) -> None:
     assert found["pilots"][1]["levels"]["calm"]["success"]["value"] == 1.0
 
 
+def test_pilots_that_are_not_named_limit_no_episodes_and_have_no_notes(tmp_path: Path) -> None:
+    folder_of(tmp_path / "a", {"reservoir": np.ones(30), "ppo": np.ones(30)})
+    folder_of(tmp_path / "b", {"ppo": np.ones(30)}, first=120)
+    folder_of(tmp_path / "c", {"reservoir": np.ones(30)})
+    assert compare([tmp_path])["levels"] == {"calm": 10}
+    found = compare([tmp_path], only=["reservoir"])
+    assert found["levels"] == {"calm": 30}
+    assert found["folders"] == [str(tmp_path / "a"), str(tmp_path / "c")]
+    (note,) = found["notes"]
+    assert note.startswith(f"{tmp_path / 'c'}: reservoir did the same")
+
+
 def test_no_common_episode_is_refused(tmp_path: Path) -> None:
     a = folder_of(tmp_path / "a", {"reservoir": np.ones(5)})
     b = folder_of(tmp_path / "b", {"ppo": np.ones(5)}, first=900)
