@@ -140,7 +140,8 @@ def _earlier(folder: Path, scene: Scene) -> Path | None:
         return None
     held = description(scene)
     if not same_training(held, folder):
-        other = next((f" ({one})" for one in differences(folder, held)), "")
+        missing = [f"{name}: missing there" for name in held if not (folder / name).is_file()]
+        other = next((f" ({one})" for one in (*differences(folder, held), *missing)), "")
         raise UserError(
             f"{folder}: holds pilots trained with another configuration or version{other}, {KEPT}"
         )

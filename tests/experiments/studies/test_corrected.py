@@ -114,3 +114,6 @@ def test_pilots_that_were_trained_apart_are_kept_where_another_is_corrected(tmp_
     )
     with pytest.raises(UserError, match=r"another configuration or version .config.experiment.yaml: there "):
         train_experiment(experiment, [DIVERGES], out)
+    (out / "versions.json").unlink()
+    with pytest.raises(UserError, match=r"another configuration or version .versions.json: missing there."):
+        train_experiment(experiment, [], out)
