@@ -109,8 +109,20 @@ def diagnose(
         raise UserError("--search-twins: --self-trial 0 asks for no twins; leave one of them out")
     boat = boat or str(own_boat(dataset[0]))
     typer.echo(f"diagnosing {given} against boat {boat}")
+    _note_effects(boat)
     limits = _limits_of(next, boat, {"seconds": seconds, "speed": top_speed, "throttle": throttle})
     _diagnose_runs(dataset, boat, out, holdout, ignore or [], limits, self_trial, search_twins, workers)
+
+
+def _note_effects(boat: str) -> None:
+    """Name the effects of a boat file, as of the boat in which runs were simulated: none is found again."""
+    from swamp_rl.boat import load_boat
+
+    if effects := load_boat(boat).effects:
+        typer.echo(
+            f"  the boat file has {', '.join(one.label for one in effects)}: only what differs from these is "
+            "named; to find them again, name a boat without them with --boat"
+        )
 
 
 def _diagnose_runs(

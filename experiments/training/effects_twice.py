@@ -21,9 +21,10 @@ def effects_twice(boat: Boat, levels: Mapping[str, str]) -> list[str]:
         entries = read_level(level, size_of(boat), boat.thruster_names)[1].entries
         twice = [own for own in boat.effects if any(_adds(own, one, boat.thruster_names) for one in entries)]
         if twice:
+            labels = ", ".join(one.label for one in twice)
             lines.append(
-                f"{key}: {level}: {', '.join(map(_label, twice))}: also in boat {boat.name}, and both act; "
-                "if they are the same, name a boat or a level without"
+                f"{key}: {level}: {labels}: also in boat {boat.name}, and both act; if they are the same, "
+                "name a boat or a level without"
             )
     return lines
 
@@ -33,8 +34,3 @@ def _adds(own: EffectEntry, other: RandomEntry, names: Sequence[str]) -> bool:
         return False
     mine = selected(own.thruster, names)
     return any((mine & selected(one, names)).any() for one in other.selectors)
-
-
-def _label(entry: EffectEntry) -> str:
-    thrusters = [entry.thruster] if isinstance(entry.thruster, str) else list(entry.thruster or ())
-    return " ".join([entry.effect.name, *thrusters])

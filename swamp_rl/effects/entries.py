@@ -30,6 +30,12 @@ class EffectEntry:
     values: Mapping[str, float] = field(hash=False)
     curve: Curve | None = None
 
+    @property
+    def label(self) -> str:
+        """Effect and thrusters."""
+        thrusters = [self.thruster] if isinstance(self.thruster, str) else list(self.thruster or ())
+        return " ".join([self.effect.name, *thrusters])
+
     @classmethod
     def __get_pydantic_json_schema__(cls, schema: Any, handler: Any) -> dict[str, Any]:
         """Of an entry as it stands in a file."""

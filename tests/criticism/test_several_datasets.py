@@ -10,7 +10,10 @@ from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.errors import UserError
+from swamp_rl.files import write_yaml
 from swamp_rl.runs import Run, RunMeta, append_run, create_dataset
+from tests.support.command_line import Call
+from tests.support.command_line import call as call  # the fixture
 from tests.support.runs import circling, described
 
 
@@ -50,6 +53,17 @@ def test_without_a_boat_file_the_dataset_is_compared_with_its_own_boat(tmp_path:
     found = diagnose(folder, None, tmp_path / "answer", twins=0)
     assert found.verdict == "nothing_wrong"
     assert load_boat(tmp_path / "answer" / "extended_boat.yaml").mass == light.mass
+
+
+def test_the_effects_of_the_boat_of_simulated_runs_are_named(tmp_path: Path, call: Call) -> None:
+    half = {"effect": "thruster_gain", "thruster": "bs", "gain": 0.5}
+    write_yaml(tmp_path / "weak.yaml", {"extends": "swamp", "name": "weak", "effects": [half]})
+    assert call("record-scripted", "--boat", "weak.yaml", "--count", 1, "--out", "runs")[0] == 0
+    (tmp_path / "answer").mkdir()
+    (tmp_path / "answer" / "mine").write_text("")
+    line = "the boat file has thruster_gain bs: only what differs from these is named"
+    assert line in call("diagnose", "runs", "--out", "answer")[1]  # refused before the search
+    assert line not in call("diagnose", "runs", "--boat", "swamp", "--out", "answer")[1]
 
 
 @pytest.mark.parametrize(
