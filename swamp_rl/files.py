@@ -211,6 +211,13 @@ def refuse_object(kind: str, given: Any) -> None:
         raise UserError(f"one of the {kind} is of the type {type(given).__name__}; give a name or a path")
 
 
+def written_path(out: Any) -> Path:
+    """The path that the argument `out` of a function names; UserError for what is none."""
+    if not isinstance(out, str | os.PathLike):
+        raise UserError(f"out: is of the type {type(out).__name__}; give the path of what is to be written")
+    return Path(out)
+
+
 def extended_config(kind: str, path: Path, extended: Any) -> Path:
     """The file that the one at `path` extends: a bare name of that kind, or a path from its own folder."""
     if not isinstance(extended, str) or not extended:

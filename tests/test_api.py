@@ -4,6 +4,7 @@ import ast
 import math
 import pydoc
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,9 @@ from swamp_rl.experiments.config.load import load_experiment
 import swamp_rl
 from swamp_rl.errors import UserError
 from swamp_rl.manoeuvres.captive import resistance_at
-from swamp_rl.runs import Run
+from swamp_rl.runs import Run, append_run, create_dataset
 from tests.support.identification import folder_of
+from tests.support.runs import circling, described
 
 ROOT = Path(__file__).parents[1]
 BOAT = swamp_rl.load_boat("swamp-thesis")
@@ -182,6 +184,23 @@ def test_an_object_in_place_of_a_name_or_a_folder_is_one_line() -> None:
         for task in (swamp_rl.read_runs, swamp_rl.identify):
             with pytest.raises(UserError, match="one of the datasets is of the type"):
                 task(folders)
+
+
+def test_what_is_written_must_have_a_path(tmp_path: Path) -> None:
+    runs = tmp_path / "runs"
+    create_dataset(runs, described())
+    append_run(runs, Run("run", circling(30.0)), "csv")
+    tasks: list[Callable[[Any], object]] = [
+        lambda out: swamp_rl.evaluate("line-of-sight", {"episodes": 1}, out=out),
+        lambda out: swamp_rl.train("smoke", out=out),
+        lambda out: swamp_rl.run_experiment("smoke", out=out),
+        lambda out: swamp_rl.diagnose(runs, "swamp", out),
+        lambda out: swamp_rl.identify_boat(runs, "swamp", out),
+    ]
+    for task in tasks:
+        for out in (3, b"out", ["out"]):
+            with pytest.raises(UserError, match=f"out: is of the type {type(out).__name__}; give the path"):
+                task(out)
 
 
 def test_identified_thrust_deduction_is_the_boat_files(tmp_path: Path) -> None:

@@ -26,6 +26,7 @@ from swamp_rl.experiments.training.train import get_data, train_pilots
 from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
 from swamp_rl.explain import nearest
+from swamp_rl.files import written_path
 from swamp_rl.json_text import read_json
 from swamp_rl.unfinished import differences
 
@@ -107,7 +108,7 @@ def _train(scene: Scene, folder: Path, only: list[str] | None) -> list[str]:
 
 
 def _folder(experiment: Experiment, out: Path | str | None) -> Path:
-    return Path(out) if out is not None else Path("results") / experiment.name
+    return written_path(out) if out is not None else Path("results") / experiment.name
 
 
 def _sound(experiment: Experiment, given: str | Path) -> tuple[Scene, Work]:

@@ -40,7 +40,7 @@ from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Predictors
 from swamp_rl.errors import UserError
-from swamp_rl.files import new_files_beside, refuse_existing, yaml_text
+from swamp_rl.files import new_files_beside, refuse_existing, written_path, yaml_text
 from swamp_rl.names import YAML, is_yaml
 from swamp_rl.one_thread import one_thread
 from swamp_rl.simulator import parameters
@@ -86,7 +86,7 @@ def identify_boat(
 
     UserError if the data do not allow a fit, or if `out` exists.
     """
-    began, out = time.perf_counter(), Path(out)
+    began, out = time.perf_counter(), written_path(out)
     refuse_to_overwrite(out)
     inputs = inputs_of(dataset, boat, holdout)
     start = load_boat(inputs.boat)

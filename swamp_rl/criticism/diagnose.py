@@ -65,6 +65,7 @@ from swamp_rl.criticism.selection.continuation import MIDDLE, Continuation
 from swamp_rl.criticism.selection.model_selection import select_model
 from swamp_rl.criticism.selection.preparation import prepared
 from swamp_rl.errors import UserError
+from swamp_rl.files import written_path
 from swamp_rl.one_thread import one_thread
 from swamp_rl.unfinished import folder_beside
 
@@ -103,7 +104,7 @@ def diagnose(
 
     UserError if the data do not allow a diagnosis.
     """
-    inputs, out = inputs_of(dataset, boat, holdout), Path(out)
+    inputs, out = inputs_of(dataset, boat, holdout), written_path(out)
     LOG.info("reading %s", inputs.label)
     model = load_boat(inputs.boat)
     sources = [*inputs.folders, *([inputs.holdout] if inputs.holdout else []), Path(inputs.boat)]
