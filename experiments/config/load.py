@@ -61,6 +61,14 @@ def load_experiment(
     return _read(with_targets_evaluated([*([layer] for layer in layers), above]))
 
 
+def unchecked(name_or_path: str | Path) -> dict[str, Any]:
+    """What the files of an experiment hold together, whether or not it is sound."""
+    whole: dict[str, Any] = {}
+    for _, data in _extended(_file_of(name_or_path), ()):
+        whole = merged(whole, data)
+    return whole
+
+
 def overridden(
     where: str | Path, experiment: Experiment, changes: Mapping[str, Any], overrides: Iterable[str] = ()
 ) -> Experiment:

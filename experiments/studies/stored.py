@@ -15,13 +15,13 @@ from swamp_rl.experiments.artifacts.provenance import (
     same_configs,
 )
 from swamp_rl.experiments.artifacts.stages import say
-from swamp_rl.experiments.config.load import load_experiment, overridden
+from swamp_rl.experiments.config.load import load_experiment, overridden, unchecked
 from swamp_rl.experiments.config.schema import Experiment, Targets, pilot_name
 from swamp_rl.experiments.studies.run import evaluated
 
 from swamp_rl.clipped import printable
 from swamp_rl.errors import UserError
-from swamp_rl.files import shipped_folders
+from swamp_rl.files import shipped_folders, written_path
 from swamp_rl.pilots.arguments import Asked, asked_pilot
 from swamp_rl.pilots.store import DESCRIPTION, load_pilot
 
@@ -29,7 +29,6 @@ CHANGEABLE = ("evaluation", "targets")
 """What may differ from the experiment that the pilots were trained in."""
 OF_TRAINING = ("pilots", "targets", "hidden", "claims")
 """What does not matter to the experiment in whose boat, course and levels other pilots are evaluated."""
-WITHOUT_HIDDEN = tuple(key for key in OF_TRAINING if key != "hidden")
 USUAL = "camogli"
 """The experiment of the boat and the course that the environment has where nothing else is asked of it."""
 
@@ -64,7 +63,7 @@ def evaluate_folders(
     pilots = _once([asked_pilot(str(one)) for one in asked_for])
     if not pilots:
         raise UserError("no folder to evaluate; name one of results, or of a stored pilot")
-    out = None if out is None else Path(out)
+    out = None if out is None else written_path(out)
     folders = [pilot.folder for pilot in pilots if pilot.folder is not None]
     for folder in folders:
         if not folder.is_dir():
@@ -124,13 +123,14 @@ def _of_pilots(
             settings["data"] = {"folder": str((home / "data").resolve()), "sha256": None}
         given, over = homes[0] if name is None else name, ("evaluate", settings)
         experiment = load_experiment(given, overrides, over=over, unread=OF_TRAINING)
-        _note_hidden(given, load_experiment(given, over=over, unread=WITHOUT_HIDDEN), experiment)
+        _note_hidden(given, experiment)
         return evaluated(experiment, "evaluate", out, None)
 
 
-def _note_hidden(given: Path | str, named: Experiment, experiment: Experiment) -> None:
+def _note_hidden(given: Path | str, experiment: Experiment) -> None:
     """Say that the effects of a closed loop's true boat do not act, where its boat file is driven."""
-    if named.hidden is not None and named.boat == experiment.boat:
+    named = unchecked(given)
+    if named.get("hidden") and named.get("boat") == experiment.boat:
         file = Path(given) / TRUE_BOAT
         true = file if file.is_file() else "FILE, a boat file with these effects"
         say(
@@ -156,7 +156,8 @@ def _plans_of(pilots: Sequence[Asked]) -> dict[str, Mapping[str, Any]]:
     found: list[tuple[str, str, str, Mapping[str, Any]]] = []  # name, that of what holds it, where, plan
     for pilot in pilots:
         if pilot.folder is None:
-            holder = pilot.place.resolve().parent.name if pilot.place else pilot.kind.partition(":")[0]
+            beside = pilot.place.resolve().parent if pilot.place else Path.cwd()
+            holder = pilot.kind.partition(":")[0] if beside == Path.cwd() else beside.name
             where = str(pilot.place or pilot.kind)
             found.append((pilot.name, holder, where, {"kind": pilot.kind, "options": pilot.options}))
             continue

@@ -15,7 +15,8 @@ from swamp_rl.experiments.studies.run import run_experiment, train_experiment
 from swamp_rl.experiments.studies.stored import evaluate_folders
 
 from swamp_rl.errors import UserError
-from swamp_rl.pilots.store import describe_pilot
+from swamp_rl.export import write_onnx
+from swamp_rl.pilots.store import describe_pilot, load_pilot
 from tests.support.tiny_experiment import content, empty_figures, write_tiny
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("stored")]  # what they share is made once
@@ -196,6 +197,24 @@ def test_pilots_trained_one_after_the_other_come_together(place: Path) -> None:
     out = evaluate_folders([place / "slowly"], {})
     whole, some = (json.loads((folder / "results.json").read_text()) for folder in (place / "run", out))
     assert some["pilots"] == {name: whole["pilots"][name] for name in ("scripted", "net")}
+
+
+def test_a_boat_that_replaces_a_missing_one_is_evaluated(tmp_path: Path) -> None:
+    (tmp_path / "moved.yaml").write_text("extends: smoke\nname: moved\nboat: gone.yaml\n")
+    found = evaluate_folders(
+        "line-of-sight", {"episodes": 1}, ["boat=swamp"], tmp_path / "out", str(tmp_path / "moved.yaml")
+    )
+    assert load_experiment(found).boat == "swamp"
+
+
+def test_a_model_in_the_working_directory_is_not_named_after_it(
+    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pilot = place / "run" / "pilots" / "net"
+    write_onnx(load_pilot(pilot), tmp_path / "net.onnx")
+    monkeypatch.chdir(tmp_path)
+    found = evaluate_folders(["onnx:net.onnx", pilot], {"episodes": 1}, out="out")
+    assert set(load_experiment(found).pilots) == {"onnx-net", "run-net"}
 
 
 def test_what_another_job_has_made_is_not_replaced(place: Path, tmp_path: Path) -> None:
