@@ -157,6 +157,8 @@ def _frames(path: Path, features: dict[str, Any]) -> dict[str, Array]:
         data = file.read(columns=list(numeric))  # a few bytes of text may stand for any number of cells
         columns = list(zip(data.column_names, data.columns, strict=True))
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise os_error(error, path) from error
         raise UserError(f"{path}: cannot be read ({clipped(error, 200)}); copy it again") from error
     found: dict[str, Array] = {}
     for name, cells in columns:

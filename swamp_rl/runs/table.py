@@ -1,5 +1,6 @@
 """Run tables on disk: CSV and Parquet, the same columns, float64 and equal to the bit."""
 
+import errno
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -29,6 +30,13 @@ MOST_CELLS = 4 * 10**7
 """Of a file: a number takes 8 bytes of memory, however few it has in the file."""
 EMPTY = "is missing; fill it in or remove the row and those after it"
 """What is wrong with an empty cell."""
+REMEDIES = {
+    errno.EACCES: "change its permissions",
+    errno.EFBIG: "divide it",
+    errno.EINVAL: "put a file in its place",
+    errno.EPERM: "change its permissions",
+}
+"""By the number of the operating system's refusal."""
 TICKS = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9}
 """In a second, by the unit of a column of times."""
 
@@ -64,7 +72,10 @@ def read_table(path: Path) -> Table:
     except (pa.ArrowException, OSError, IndexError) as error:
         if "UTF8" in str(error):
             return _unreadable(path, "holds text that is not UTF-8; save the file as UTF-8")
-        reason = clipped(" ".join(str(getattr(error, "strerror", None) or error).split()), 300)
+        if isinstance(error, OSError) and error.errno is not None:  # of the operating system, not of Arrow
+            remedy = REMEDIES.get(error.errno, "copy it again")
+            return _unreadable(path, f"cannot be read ({error.strerror}); {remedy}")
+        reason = clipped(" ".join(str(error).split()), 300)
         return _unreadable(path, f"cannot be read and may be cut short ({reason}); copy it again")
 
 

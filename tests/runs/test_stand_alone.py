@@ -18,6 +18,7 @@ from swamp_rl.runs import (
     create_dataset,
     inspect_dataset,
     read_dataset,
+    table,
     write_run,
 )
 from tests.support.runs import circling, described
@@ -157,6 +158,18 @@ def test_a_file_that_the_disk_refuses_while_it_is_copied_is_one_line(
     with pytest.raises(UserError, match=r"\.yaml: Permission denied"):
         create_dataset(tmp_path / "runs", described(vehicle=str(boat)))
     assert not (tmp_path / "runs").exists()
+
+
+def test_a_file_that_may_not_be_read_is_not_to_be_copied_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(path: Path, *_: object) -> bytes:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(table, "contents", refused)
+    faults = [str(fault) for fault in inspect_dataset(plain(tmp_path / "day"), "swamp").faults]
+    assert all(one.endswith("cannot be read (Permission denied); change its permissions") for one in faults)
+    assert faults
 
 
 @pytest.mark.parametrize(("rows", "verb"), [("time\n0\n", "import"), ("time,north\n0,x\n", "check")])
