@@ -10,7 +10,7 @@ from typing import Any
 
 from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
-from swamp_rl.files import flush, os_error, validated
+from swamp_rl.files import flush, os_error, refuse_nameless, validated
 from swamp_rl.names import file_in
 from swamp_rl.runs import DatasetMeta, Run, RunMeta, adopt_run, create_dataset, read_run
 from swamp_rl.runs.copies import standing_alone
@@ -41,6 +41,8 @@ class Recordings:
 
     def __init__(self, folder: Path, meta: DatasetMeta, report: Callable[[str], None]) -> None:
         """UserError where the folder holds another kind of runs, or another recorder writes there."""
+        if folder != Path():
+            refuse_nameless(folder)
         self.folder, self.unfinished = folder, folder / UNFINISHED
         new = [path for path in (self.unfinished, folder, *folder.parents) if not path.exists()]
         try:

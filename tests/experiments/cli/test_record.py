@@ -18,7 +18,7 @@ from swamp_rl.files import write_yaml
 from swamp_rl.link.vehicle import Conduct
 from swamp_rl.runs import read_dataset
 from swamp_rl.teleop import server
-from tests.support.command_line import COMMAND, Call
+from tests.support.command_line import COMMAND, Call, assert_complains
 from tests.support.command_line import call as call  # the fixture
 from tests.support.driving import aim
 from tests.support.link import own_network, served, vehicle_of
@@ -87,6 +87,15 @@ def test_boats_are_named_after_their_files_whatever_the_case_of_the_suffix(
     boats = ("--boat", "swamp", "--boat", "Twin.YAML", "--boat", "./Twin.YAML")
     assert call("record", "--out", "runs", "--port", "0", *boats)[0] == 0
     assert names == ["swamp", "Twin", "Twin 2"]
+
+
+def test_a_root_is_no_folder_of_runs_but_the_working_directory_may_be(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(server, "serve", lambda *given: None)
+    assert_complains(call("record", "--out", "runs/..", "--port", "0"), "runs/..: is a folder above")
+    assert call("record", "--out", ".", "--port", "0")[0] == 0
+    assert Path("dataset.yaml").is_file()
 
 
 def test_a_recorder_killed_in_a_run_marks_it_at_the_next_start_and_ends_by_interrupt(tmp_path: Path) -> None:
