@@ -213,8 +213,13 @@ def nearest(word: str, known: Iterable[str]) -> str:
 
 def likest(word: str, known: Iterable[str]) -> str | None:
     """The known word most like a word, or None where none is like it."""
-    near = max(known, key=lambda other: likeness(word, other), default="")
-    return near if likeness(word, near) >= LIKE else None
+    return next(iter(alike(word, known, 1)), None)
+
+
+def alike(word: str, known: Iterable[str], most: int = 3) -> list[str]:
+    """At most so many known words that are like a word, the likest first."""
+    ranked = sorted(known, key=lambda other: likeness(word, other), reverse=True)
+    return [other for other in ranked[:most] if likeness(word, other) >= LIKE]
 
 
 def likeness(one: str, other: str) -> float:

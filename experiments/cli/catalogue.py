@@ -29,8 +29,10 @@ def effects(
 ) -> None:
     """List the effects with their parameters, units, bounds and sources."""
     from swamp_rl.effects import LIBRARY
+    from swamp_rl.effects.entries import nearest_effect
 
-    _refuse_unknown("effect", name, LIBRARY)
+    if name is not None and name not in LIBRARY:
+        raise UserError(f"no effect {name!r}{nearest_effect(name)}")
     for effect in LIBRARY.values() if name is None else [LIBRARY[name]]:
         typer.echo("\n".join(_effect_lines(effect)))
 

@@ -16,7 +16,7 @@ from swamp_rl.criticism.options import options
 from swamp_rl.criticism.report.words import in_file_names
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
 from swamp_rl.effects.declare import LIBRARY, Parameter
-from swamp_rl.effects.entries import ALL
+from swamp_rl.effects.entries import ALL, nearest_effect
 from swamp_rl.effects.levels import Level, level_of, read_level
 from swamp_rl.effects.random_entry import COMPONENTS, RandomEntry
 from swamp_rl.errors import UserError
@@ -140,7 +140,7 @@ def _read(path: Path) -> Diagnosis | FiguresDiagnosis:
 def _entry(cause: Cause, where: Path) -> dict[str, Any]:
     effect = LIBRARY.get(cause.effect)
     if effect is None:
-        raise UserError(f"{where}: no effect {cause.effect!r}{nearest(cause.effect, LIBRARY)}")
+        raise UserError(f"{where}: no effect {cause.effect!r}{nearest_effect(cause.effect)}")
     for name, found in cause.parameters.items():
         if name not in effect.parameter_names:
             raise UserError(f"{where}: {cause.effect}: no {name!r}{nearest(name, effect.parameter_names)}")

@@ -7,12 +7,14 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from swamp_rl.clipped import clipped
 from swamp_rl.effects.curve import KEYS, Curve, parse_curve
 from swamp_rl.effects.declare import LIBRARY, Effect, Parameter
 from swamp_rl.errors import UserError
-from swamp_rl.explain import in_yaml, likest
+from swamp_rl.explain import alike, in_yaml, likest
 
 ALL = "all"
+LISTED = "`swamp-rl effects` lists all"
 Selector = str | tuple[str, str] | None
 Value = TypeVar("Value")
 
@@ -94,10 +96,10 @@ def curve_entry(
 def effect_and_keys(entry: Any, where: str, also: Collection[str] = ()) -> tuple[Effect, dict[str, Any]]:
     """The effect that an entry names, and its other keys once they are known to belong to it or to `also`."""
     if not isinstance(entry, Mapping) or "effect" not in entry:
-        raise UserError(f"{where}: must be a mapping with the key effect, one of {', '.join(LIBRARY)}")
+        raise UserError(f"{where}: must be a mapping with the key effect; {LISTED}")
     name = entry["effect"]
     if not isinstance(name, str) or name not in LIBRARY:
-        raise UserError(f"{where}: unknown effect {in_yaml(name)}; {suggestion(name, LIBRARY)}")
+        raise UserError(f"{where}: unknown effect {in_yaml(name)}{nearest_effect(name)}")
     effect = LIBRARY[name]
     own = ["thruster", *KEYS] if effect.curve else ["thruster"] if effect.selects else []
     known = [*effect.parameter_names, *own, *also]
@@ -106,6 +108,12 @@ def effect_and_keys(entry: Any, where: str, also: Collection[str] = ()) -> tuple
         if key not in known:
             raise UserError(f"{where} {name}: unknown key {key!r}; {suggestion(key, known)}")
     return effect, given
+
+
+def nearest_effect(name: Any) -> str:
+    """The end of a complaint about an unknown effect: those most like it, and where all are listed."""
+    near = " or ".join(map(repr, alike(clipped(str(name)), LIBRARY)))
+    return f"; did you mean {near}? {LISTED}" if near else f"; {LISTED}"
 
 
 def suggestion(name: Any, known: Collection[str]) -> str:

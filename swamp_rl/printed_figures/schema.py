@@ -10,6 +10,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.boat.part import FROM_LIST, Part
 from swamp_rl.constants import LEAST_THROTTLE
 from swamp_rl.effects import LIBRARY
+from swamp_rl.effects.entries import nearest_effect
 from swamp_rl.errors import UserError
 from swamp_rl.explain import explanations, nearest
 from swamp_rl.files import read_yaml
@@ -228,7 +229,7 @@ def _particular_faults(particulars: Numbered) -> list[str]:
     for number, one in particulars:
         where = f"particulars {number} ({one.effect} {one.parameter})"
         if one.effect not in LIBRARY:
-            faults.append(f"{where}: unknown effect{nearest(one.effect, LIBRARY)}")
+            faults.append(f"{where}: unknown effect{nearest_effect(one.effect)}")
         elif one.parameter not in LIBRARY[one.effect].parameter_names:
             known = LIBRARY[one.effect].parameter_names
             faults.append(f"{where}: {one.effect} has no such parameter{nearest(one.parameter, known)}")

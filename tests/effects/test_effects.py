@@ -181,7 +181,8 @@ def test_a_parameter_left_out_takes_its_neutral_value() -> None:
     [
         ("current", "must be a mapping with the key effect"),
         ({"north": 0.1}, "must be a mapping with the key effect"),
-        ({"effect": "thrustr_gain"}, "unknown effect 'thrustr_gain'; did you mean 'thruster_gain'?"),
+        ({"effect": "thrustr_gain"}, "unknown effect 'thrustr_gain'; did you mean 'thruster_gain' or "),
+        ({"effect": "zzz"}, "unknown effect 'zzz'; `swamp-rl effects` lists all"),
         ({"effect": ["current"]}, "unknown effect ['current']"),
         ({"effect": "current"}, "gives no number; add north, east"),
         ({"effect": "current", "nort": 0.1}, "unknown key 'nort'; did you mean 'north'?"),
