@@ -173,6 +173,7 @@ def _lines_of(found: "Diagnosis", boat: "Boat", trial_asked: bool) -> Iterator[s
     from swamp_rl.criticism.report.words import (
         in_file_names,
         is_extended,
+        own_value,
         parameter_sets,
         separating_sentence,
         spread_sets,
@@ -186,7 +187,8 @@ def _lines_of(found: "Diagnosis", boat: "Boat", trial_asked: bool) -> Iterator[s
         yield "  the explanation with the lowest chi2:"
     for cause in found.causes:
         for where, parameters in parameter_sets(cause):
-            numbers = ", ".join(_number(name, p) for name, p in parameters.items())
+            own = partial(own_value, cause.effect, boat=boat)
+            numbers = ", ".join(_number(name, p, own(name)) for name, p in parameters.items())
             yield f"  {in_file_names(cause.label)}{where}" + (f": {numbers}" if numbers else "")
         for name, value, interval, unit in spread_sets(cause):
             yield f"    {name}: {value} {unit} (95 % interval {interval})"
@@ -279,13 +281,14 @@ def _diagnose_figures(path: Path, boat: str, out: Path, holdout: Path | None, fi
     )
 
 
-def _number(name: str, found: "Estimate") -> str:
-    """A parameter with unit and interval."""
+def _number(name: str, found: "Estimate", own: str = "") -> str:
+    """A parameter with unit and interval, and the boat file's `own` value, where it has one."""
     from swamp_rl.criticism.report.words import number_cells
 
     value, interval, unit = number_cells(found)
     plain = found.at_bound or not found.identifiable
-    spread = f"({interval})" if plain else f"(95 % interval {interval})"
+    beside = f"; boat file {own}" if own else ""
+    spread = f"({interval}{beside})" if plain else f"(95 % interval {interval}{beside})"
     return " ".join(part for part in (name.replace("_", " "), value, unit, spread) if part)
 
 

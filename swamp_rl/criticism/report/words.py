@@ -346,6 +346,15 @@ def neutral_value(effect: str, parameter: str, boat: Boat) -> str:
     return f"{float(value if value.ndim == 0 else value[0]):g}"
 
 
+def own_value(effect: str, parameter: str, boat: Boat) -> str:
+    """The boat file's value of a parameter that replaces a number of it; empty for one that changes nothing
+    at a neutral value.
+    """
+    return (
+        neutral_value(effect, parameter, boat) if LIBRARY[effect].parameter(parameter).neutral is None else ""
+    )
+
+
 def files_sentence(found: Diagnosis) -> str:
     """Which file each cause was written to, by the names that effects have there."""
     written = [cause for cause in (*found.causes, *found.minor, *found.nuisance) if cause.carries_over]
