@@ -150,8 +150,8 @@ def causes_table(found: Diagnosis) -> str:
         for cause in found.causes
         for _, own in parameter_sets(cause)
     ]
-    lacking = carry_over_sentence(found) or "all causes carry over."
-    lines = [f"The verdict is `{found.verdict}`; {lacking}"]
+    lacking = carry_over_sentence(found) or "All causes carry over."
+    lines = [f"The verdict is `{found.verdict}`. {lacking}"]
     lines += [
         f"Explanations that are not distinguished: {'; '.join(map(readable, names))}."
         for names in found.indistinguishable

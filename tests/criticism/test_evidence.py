@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +23,7 @@ from swamp_rl.criticism.inference.cause_share import (
 from swamp_rl.criticism.likelihood.prediction_error import trivial_predictors
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.progress import LOG
-from swamp_rl.criticism.report.evidence import predictors_sentence, share_text
+from swamp_rl.criticism.report.evidence import carry_over_sentence, predictors_sentence, share_text
 from swamp_rl.criticism.report.page import opening
 from swamp_rl.criticism.result import Cause, Diagnosis, Gain, Paired, Predictors, Share
 from swamp_rl.criticism.selection.backward_elimination import Selection, fit_by_continuation
@@ -202,6 +204,13 @@ def test_a_rival_that_adds_what_moves_no_prediction_is_none(offset: float, diffe
 def test_a_cause_whose_interval_lies_below_zero_does_not_carry_over() -> None:
     assert carries_over([share(1.0, 1.2, (-0.5, 0.1))])
     assert not carries_over([share(1.0, 1.2, (-0.5, -0.1))])
+
+
+def test_the_sentence_on_a_cause_that_does_not_carry_over_begins_as_one() -> None:
+    worse = share(1.0, 1.2, (-0.5, -0.1))
+    cause = Cause(effect="linear_drag", parameters={}, share=[worse], carries_over=False)
+    found: Any = SimpleNamespace(causes=[cause], minor=[], nuisance=[])
+    assert carry_over_sentence(found).startswith("Linear drag does not carry over: ")
 
 
 @pytest.fixture(scope="module")

@@ -55,7 +55,10 @@ def carry_over_sentence(found: Diagnosis) -> str:
         )
         if worst.ci95[1] >= 0.0:
             why = "with all effects the position error on held-out runs is larger than the boat file's"
-        parts.append(f"{readable(cause.label)} does not carry over: {why}. It is not in the extended file.")
+        label = readable(cause.label)
+        parts.append(
+            f"{label[0].upper()}{label[1:]} does not carry over: {why}. It is not in the extended file."
+        )
     return " ".join(parts)
 
 
