@@ -130,7 +130,7 @@ def import_tables(found: Sequence[Foreign], out: Path | str, about: About, wishe
         raise UserError(
             "--fill: fills gaps of joined tables and of --resample HZ; give that, or leave it out"
         )
-    metadata = _agreed(found)
+    metadata, found = _agreed(found), _of_days(found)
     with tempfile.TemporaryDirectory() as scratch:
         home = found[0].home or Path(scratch)
         write_copies(home, found[0].copies)
@@ -271,6 +271,21 @@ def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tu
     folders = {file.parent for file in files}
     metas = {folder: read_meta(folder) for folder in folders if (folder / META).is_file()}
     return [_read_table(file, kind, metas.get(file.parent), wishes) for file in files], wishes
+
+
+def _of_days(found: Sequence[Foreign]) -> list[Foreign]:
+    """The runs; those of several datasets, which are diagnosed as days, with the name of their dataset as
+    their group, where they have none and no other dataset is called so."""
+    homes = dict.fromkeys(one.home.resolve() for one in found if one.dataset is not None and one.home)
+    called = Counter(home.name for home in homes)
+
+    def of_day(one: Foreign) -> Foreign:
+        name = one.home.resolve().name if one.home else ""
+        if len(homes) < 2 or one.dataset is None or one.meta.group is not None or called[name] > 1:
+            return one
+        return replace(one, meta=one.meta.model_copy(update={"group": name}))
+
+    return [of_day(one) for one in found]
 
 
 def _agreed(found: Sequence[Foreign]) -> DatasetMeta | None:

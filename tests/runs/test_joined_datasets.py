@@ -30,9 +30,11 @@ def test_days_of_csv_and_parquet_are_joined_with_the_notes_of_both(tmp_path: Pat
     found = read_dataset(tmp_path / "out")
     assert [run.name for run in found.runs] == ["monday-run-0001", "tuesday-run-0001"]
     assert found.meta.notes == "In rain. In fog."
+    assert [run.meta.group for run in found.runs] == ["monday", "tuesday"]
     joined([tmp_path / "out", day(tmp_path / "wednesday", "csv", "In fog.")], tmp_path / "more")
     more = read_dataset(tmp_path / "more")
     assert len(more.runs) == 3 and more.meta.notes == "In rain. In fog."
+    assert [run.meta.group for run in more.runs] == ["monday", "tuesday", "wednesday"]
 
 
 def test_what_keeps_two_datasets_apart_is_named(tmp_path: Path) -> None:
