@@ -1,6 +1,6 @@
 """`swamp-rl runs import` and `runs export`: datasets from and for other programs."""
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
@@ -184,18 +184,25 @@ def _list(sources: list[Path], kind: str, folders: bool, join: str | None, boat:
     """The tables and fields of logs, and the options that names suggest, or what is taken by default."""
     from swamp_rl.boat import load_boat
     from swamp_rl.logs.import_logs import BINARY, as_one, read_logs
-    from swamp_rl.logs.listing import listing
+    from swamp_rl.logs.listing import fields_of, listing
     from swamp_rl.logs.proposal import proposal, taken_by_default
 
     if kind in ("mcap", "telemetry", "free-running"):
         raise UserError(f"--list: is not for --from {kind}; MCAP with CDR is --from rosbag")
     vessel, suggested = load_boat(boat or "swamp"), dict[str, list[str]]()
+    alike: dict[Hashable, list[str]] = {}
     logs = read_logs(sources, kind, None, folders)
     for log in logs if join is None else [as_one(list(logs), join)]:
-        for line in listing(log):
+        for line in listing(log) if fields_of(log) not in alike else ():
             typer.echo(line)
+        alike.setdefault(fields_of(log), []).append(clipped(log.name))
         binary = kind in BINARY
         suggested[log.name] = taken_by_default(kind, log, vessel) if binary else proposal(log, vessel)
+    for first, *others in alike.values():
+        if others:
+            typer.echo(
+                f"{and_others(others)}: the same tables and fields as {first}; name one alone for its values"
+            )
     for line in _common(suggested):
         typer.echo(line)
 

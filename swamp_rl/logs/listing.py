@@ -1,6 +1,6 @@
 """What a log holds, for who writes a mapping: its tables, rates and fields."""
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 
 import numpy as np
 
@@ -25,6 +25,14 @@ def listing(log: Log) -> Iterator[str]:
             yield f"  {_named(log, table, name)}: {_span(table, name, values)}"
     if "not_read" in log.metadata:
         yield f"not read: {clipped(log.metadata['not_read'], 400)}"
+
+
+def fields_of(log: Log) -> Hashable:
+    """Equal for logs of the same tables and fields; a lone table may have any name, such as the file's."""
+    named = len(log.tables) > 1
+    return tuple(
+        (table.name if named else "", table.kind, *table.table.columns) for table in log.tables.values()
+    )
 
 
 def _named(log: Log, table: LogTable, column: str) -> str:

@@ -183,6 +183,16 @@ def test_a_table_of_other_things_does_not_hide_the_options_of_the_logs(call: Cal
     assert said.splitlines()[-1].startswith("no column known by name: notes;")
 
 
+def test_logs_of_the_same_fields_are_listed_once(call: Call, tmp_path: Path) -> None:
+    (tmp_path / "logs").mkdir()
+    for name in ("a", "b", "c"):
+        csv_of(tmp_path / "logs" / f"{name}.csv", {"t": ["0.0", "1.0"], "lat": ["44.0", "44.1"]})
+    csv_of(tmp_path / "logs" / "d.csv", {"id": ["1", "2"]})
+    said = call(tmp_path / "logs", "--list")
+    assert said.count("  lat: ") == said.count("  id: ") == 1
+    assert "b and 1 other: the same tables and fields as a; name one alone for its values" in said
+
+
 def test_what_a_bag_gives_without_a_mapping_is_listed(call: Call, tmp_path: Path) -> None:
     log, boat = bag(tmp_path / "trip.bag", "ros1", 3.0), written(tmp_path, "twin")
     *_, found = call(log, "--list", "--boat", boat).splitlines()
