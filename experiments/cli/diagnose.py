@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from swamp_rl.experiments.cli.options import IgnoreOption, OwnBoatOption
+from swamp_rl.experiments.cli.outputs import refuse_suffix
 
 from swamp_rl.counted import counted
 from swamp_rl.errors import UserError
+from swamp_rl.names import YAML
 
 if TYPE_CHECKING:
     from swamp_rl.boat import Boat
@@ -303,6 +305,7 @@ def disturbances(
     """Write a diagnosis, with its standard errors, as disturbances for training."""
     from swamp_rl.experiments.config.posterior import diagnosed_boat, posterior_limits, write_posterior
 
+    refuse_suffix("--out", out, *YAML)
     level = write_posterior(diagnosis, out, among)
     boat = diagnosed_boat(diagnosis)
     has = "not its extended file, which has these effects already"

@@ -16,7 +16,7 @@ from swamp_rl.errors import UserError
 from swamp_rl.files import read_yaml, write_yaml
 from swamp_rl.simulator import parameters
 from swamp_rl.simulator.reference import size_of
-from tests.support.command_line import Call
+from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call
 from tests.support.from_scratch import written
 
@@ -154,6 +154,15 @@ def test_the_level_of_a_diagnosis_in_doubt_says_so(
     path.write_text(json.dumps(found))
     assert line in call("disturbances", path, "--out", "found.yaml")[1]
     assert read_yaml(tmp_path / "found.yaml")["description"].endswith(line)
+
+
+def test_a_level_is_a_yaml_file_as_only_such_is_found_again(tmp_path: Path, call: Call) -> None:
+    for name in ("found", "found.txt"):
+        assert_complains(
+            call("disturbances", diagnosis(tmp_path, WEAK), "--out", name), "end the name in .yaml"
+        )
+    assert call("disturbances", diagnosis(tmp_path, WEAK), "--out", "Found.YAML")[0] == 0
+    assert [path.name for path in tmp_path.glob("[Ff]ound*")] == ["Found.YAML"]
 
 
 def test_nothing_is_drawn_beyond_the_bounds_of_an_effect(tmp_path: Path) -> None:
