@@ -14,7 +14,7 @@ from swamp_rl.clipped import clipped
 from swamp_rl.criticism.model.extended_boat import BOAT
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.report.words import in_file_names
-from swamp_rl.criticism.result import Cause, Diagnosis, Estimate
+from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Extension
 from swamp_rl.effects.declare import LIBRARY, Parameter
 from swamp_rl.effects.entries import ALL, nearest_effect
 from swamp_rl.effects.levels import Level, level_of, read_level
@@ -39,18 +39,19 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     distribution of the runs, a vector by component, its variance that of the runs and of their mean. among: a
     level whose start, other effects, and the same effects of other thrusters are included, in proportion to
     the boat of the `extended_boat.yaml` beside the diagnosis. A cause that does not carry over to held-out
-    runs is left out, as it is of that file. UserError where the diagnosis cannot be read or has no cause
-    left, or that level cannot be read, has correlations of its own, or an effect of `all` thrusters that
-    the diagnosis has of one.
+    runs is left out, as it is of that file. A missing force that the file has is constant, with the effects
+    that were fitted beside it. UserError where the diagnosis cannot be read or has no cause left, or that
+    level cannot be read, has correlations of its own, or an effect of `all` thrusters that the diagnosis has
+    of one.
     """
     found = _read(diagnosis)
-    if not any(cause.carries_over for cause in found.causes):
+    every, curves, correlation = _written(found)
+    if not (curves or any(cause.carries_over for cause in found.causes)):
         none = "none that carries over to held-out runs" if found.causes else "no cause"
         raise UserError(f"{diagnosis}: names {none}, so there is nothing to draw; train in the boat itself")
     below, level_below = ({}, None) if among is None else _in_proportion(among, diagnosis.parent)
     if level_below and level_below.correlated:
         raise UserError(f"{among}: has correlated numbers of its own; name a level without them")
-    every = (*found.causes, *found.nuisance)
     causes = [cause for cause in every if cause.carries_over]
     entries = [_entry(cause, diagnosis) for cause in causes]
     pairs = zip(below.get("effects", []), level_below.entries, strict=True) if level_below else ()
@@ -59,8 +60,8 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     level = below | {
         "description": f"result of a diagnosis, with its standard errors{beside}; for the boat that was "
         f"diagnosed: {BOAT} has these effects already" + "".join(f"; {one}" for one in _limits(found)),
-        "effects": entries + others,
-        **_correlated(entries, _carried(found.correlation, every)),
+        "effects": entries + curves + others,
+        **_correlated(entries, _carried(correlation, every)),
     }
     level_of(level, f"{diagnosis}")
     write_yaml(out, level)
@@ -73,12 +74,33 @@ def posterior_limits(diagnosis: Path) -> list[str]:
 
 
 def _limits(found: Diagnosis | FiguresDiagnosis) -> list[str]:
+    if found.verdict == "unexplained" and _force_of(found):
+        return [
+            "verdict unexplained: the force curve stands for what no effect explains, in these motions only"
+        ]
     if found.verdict == "unexplained":
         return ["verdict unexplained: these effects explain a part of the model error, the rest is left out"]
     if found.verdict == "indistinguishable":
         others = [label for labels in found.indistinguishable for label in labels[1:]]
         return [f"verdict indistinguishable: the cause may also be {in_file_names(' or '.join(others))}"]
     return []
+
+
+def _written(
+    found: Diagnosis | FiguresDiagnosis,
+) -> tuple[list[Cause], list[dict[str, Any]], list[list[float]]]:
+    """The estimates that the extended boat has, its missing force as entries, and the correlations."""
+    force = _force_of(found)
+    if force is None:
+        return [*found.causes, *found.nuisance], [], found.correlation
+    curves = [one.model_dump(exclude={"units"}, exclude_none=True) for one in force.curves]
+    return force.beside, [{"effect": "force_curve", **one} for one in curves], []
+
+
+def _force_of(found: Diagnosis | FiguresDiagnosis) -> Extension | None:
+    """The missing force that the extended boat has, if any."""
+    force = found.extension if isinstance(found, Diagnosis) else None
+    return force if force and force.written else None
 
 
 def diagnosed_boat(diagnosis: Path) -> str | None:

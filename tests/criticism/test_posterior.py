@@ -363,3 +363,25 @@ def test_a_normal_distribution_that_makes_no_sense_is_refused(numbers: list[floa
     entry = {"effect": "thruster_gain", "thruster": "bs", "gain": {"normal": numbers}}
     with pytest.raises(UserError, match=message):
         load_disturbances([entry], BOAT.thruster_names)
+
+
+def test_a_missing_force_is_drawn_with_what_was_fitted_beside_it_not_with_what_it_replaces(
+    tmp_path: Path,
+) -> None:
+    drag = {"effect": "linear_drag", "parameters": {"coefficient": estimate(1.8, 0.5, "N s/m")}}
+    path = diagnosis(tmp_path, drag)
+    curve = {"component": "surge", "covariate": "yaw_rate", "knots": [-0.4, 0.0, 0.4]}
+    curve |= {"values": [-5.0, 0.0, -5.0], "standard_errors": [0.2, 0.1, 0.2]}
+    force = {"curves": [curve | {"units": ["N"]}], "beside": [WEAK], "written": True}
+    force |= {"held_out": {"gain": 99.0, "low": 9.0, "level": 0.95}}
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"extension": force}))
+    write_posterior(path, tmp_path / "found.yaml")
+    weak, missing = read_yaml(tmp_path / "found.yaml")["effects"]
+    assert weak["effect"] == "thruster_gain"
+    assert missing == {"effect": "force_curve", **curve}
+    record = parameters(BOAT, 2)
+    level = load_disturbances(tmp_path / "found.yaml", BOAT.thruster_names)
+    level.apply(record, np.full((2, level.draw_count), 0.5))
+    path.write_text(json.dumps(json.loads(path.read_text()) | {"extension": force | {"written": False}}))
+    write_posterior(path, tmp_path / "other.yaml")
+    assert [one["effect"] for one in read_yaml(tmp_path / "other.yaml")["effects"]] == ["linear_drag"]
