@@ -30,7 +30,7 @@ from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.criticism.model.extended_boat import write_extended
 from swamp_rl.criticism.report.extension import curve_name, extension_section, extension_sentence
-from swamp_rl.criticism.result import CurvePoint, Diagnosis, ForceCurve, ResidualForce, Share
+from swamp_rl.criticism.result import Cause, CurvePoint, Diagnosis, ForceCurve, ResidualForce, Share
 from swamp_rl.physics.force_curve import KNOTS
 from swamp_rl.simulator import parameters
 from tests.support.unmodelled_forces import BRAKE, DROGUE, sailed
@@ -222,6 +222,8 @@ def test_the_report_says_what_was_written_and_what_was_not(brake: ForceExtension
     assert "extended_boat.yaml has the missing force (square)" in message
     assert "surge force as a function of surge [m/s]" in message
     assert "a |x| x" in extension_section(found, BOAT)
+    replaced = found.model_copy(update={"causes": [Cause(effect="linear_drag", parameters={})]})
+    assert "fitted in place of linear drag, which that file lacks" in extension_sentence(replaced, BOAT)
     kept = brake.result.model_copy(update={"written": False})
     assert "is not written" in extension_sentence(found.model_copy(update={"extension": kept}), BOAT)
 

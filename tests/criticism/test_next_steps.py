@@ -86,4 +86,4 @@ def test_functions_of_the_missing_force_have_a_step_for_each_origin() -> None:
     thrusters, hull, extended = next_steps(FITTED, left("heading"), found, [])
     assert thrusters.startswith("the missing force depends on rudder, which suggests the thrusters")
     assert hull.startswith("the missing force depends on yaw rate and sway, which suggests the hull")
-    assert extended.startswith("extended_boat.yaml has the missing force")
+    assert extended.startswith("simulate with extended_boat.yaml, which has the missing force")

@@ -386,6 +386,9 @@ def test_it_is_reported_which_file_has_which_cause() -> None:
     assert "with no effect added" in each and "conditions/RUN.yaml of each run has wind" in each
     spoilt = LAG.model_copy(update={"carries_over": False})
     assert "no effect added" in files_sentence(diagnosis("cause", causes=[spoilt]))
+    force = Extension(curves=[], held_out=HeldOut(gain=9.0, low=1.0, level=0.95), written=True)
+    instead = files_sentence(diagnosis("unexplained", causes=[LAG], extension=force))
+    assert instead.endswith("the boat file with force_curve.")
 
 
 def test_the_page_lists_the_next_steps_below_the_residual_force() -> None:

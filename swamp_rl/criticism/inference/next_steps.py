@@ -60,7 +60,7 @@ def next_steps(
         )
     if extension and extension.written:
         steps.append(
-            "extended_boat.yaml has the missing force: simulate with it within the range of these runs"
+            "simulate with extended_boat.yaml, which has the missing force, within the range of these runs"
         )
     if missing_motion:
         steps.append("record what these runs lack: see the limits of the data")

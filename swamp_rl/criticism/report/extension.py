@@ -5,6 +5,7 @@ import html
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.command_names import COMMANDS, as_column
 from swamp_rl.criticism.report.evidence import percent
+from swamp_rl.criticism.report.words import readable
 from swamp_rl.criticism.result import Diagnosis, ForceCurve
 from swamp_rl.effects.curve import COVARIATES
 from swamp_rl.html_page import minus, rounded, table
@@ -46,12 +47,16 @@ def extension_sentence(found: Diagnosis, boat: Boat) -> str:
             f"The missing force is {names}, but its reduction of the prediction error on held-out runs is "
             "not significant: it is not written to extended_boat.yaml."
         )
+    beside = {cause.label for cause in extension.beside}
+    instead = [one.label for one in found.causes if one.carries_over and one.label not in beside]
+    of = readable(" + ".join(instead)) if instead else ""
+    apart = f" It was fitted in place of {of}, which that file lacks." if instead else ""
     by = ", ".join(dict.fromkeys(curve.formula or "linear between points" for curve in extension.curves))
     saved = max(
         (one for one in extension.share if one.quantity == "position_rmse_m"), key=lambda one: one.ci95[0]
     )
     return (
-        f"extended_boat.yaml has the missing force ({by}): {names}. On held-out runs it accounts for "
+        f"extended_boat.yaml has the missing force ({by}): {names}.{apart} On held-out runs it accounts for "
         f"{percent(saved)} of the position error {saved.horizon_s:g} s ahead ({saved.without:.3g} m without "
         f"it, {saved.with_cause:.3g} m with it). The cause is unknown. Outside the range of the data the "
         "force is zero."

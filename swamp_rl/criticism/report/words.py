@@ -358,9 +358,12 @@ def own_value(effect: str, parameter: str, boat: Boat) -> str:
 def files_sentence(found: Diagnosis) -> str:
     """Which file each cause was written to, by the names that effects have there."""
     written = [cause for cause in (*found.causes, *found.minor, *found.nuisance) if cause.carries_over]
+    force: list[str] = []
+    if found.extension and found.extension.written:
+        written, force = found.extension.beside, ["force_curve"]
     weather = [cause for cause in written if LIBRARY[cause.effect].scope != "boat"]
-    own = [cause for cause in written if cause not in weather]
-    called = [", ".join(dict.fromkeys(cause.effect for cause in part)) for part in (own, weather)]
+    own = [cause.effect for cause in written if cause not in weather]
+    called = [", ".join(dict.fromkeys(part)) for part in ([*own, *force], (one.effect for one in weather))]
     sentence = f"extended_boat.yaml is the boat file with {called[0] or 'no effect added'}."
     if weather:
         file = "conditions/RUN.yaml of each run" if any(c.groups for c in weather) else "conditions.yaml"
