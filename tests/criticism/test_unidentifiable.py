@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from swamp_rl.boat import load_boat
 from swamp_rl.criticism.data.measurement_noise import noise_levels, weights
-from swamp_rl.criticism.inference.estimate import causes_of
+from swamp_rl.criticism.inference.estimate import cause_of, causes_of
 from swamp_rl.criticism.inference.unidentifiable import with_neutral_values
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.report.words import number_cells
@@ -49,3 +50,11 @@ def test_a_drag_astern_is_estimated_from_runs_astern() -> None:
     found, cost = estimates(astern=True)
     assert all(one.identifiable for one in found.values()) and cost == 0.0
     assert abs(found["astern"].value - 0.5) < 4.0 * found["astern"].standard_error < 0.2
+
+
+def test_an_estimate_of_which_the_standard_error_exceeds_the_range_of_the_fit_has_no_interval() -> None:
+    band = by_label(candidates(load_boat("swamp"), SECONDS))["throttle_dead_band ss"]
+    for error, is_determined in ((1e21, False), (0.5, True)):
+        (found,) = cause_of(band, np.array([0.88]), np.array([[error**2]])).parameters.values()
+        assert found.identifiable == is_determined
+        assert ("not determined by these runs" in number_cells(found)) != is_determined

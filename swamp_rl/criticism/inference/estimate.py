@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.sandwich_covariance import sandwich_covariance
-from swamp_rl.criticism.inference.unidentifiable import unidentifiable
+from swamp_rl.criticism.inference.unidentifiable import undetermined
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance, entry_of
@@ -74,7 +74,7 @@ def components(instance: EffectInstance) -> list[tuple[str, str]]:
 def _estimates(instance: EffectInstance, x: Array, covariance: Array) -> dict[str, Estimate]:
     """The effect's parameters from x (p,) with covariance (p, p)."""
     slopes = slopes_of(instance, x)
-    sides, unknown = sides_of(instance, x), unidentifiable(instance, covariance)
+    sides, unknown = sides_of(instance, x), undetermined(instance, covariance)
     return {
         name: Estimate(
             value=float(value),

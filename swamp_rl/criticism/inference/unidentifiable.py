@@ -44,7 +44,19 @@ def unidentifiable(instance: EffectInstance, covariance: Array) -> NDArray[np.bo
     """(p,) whether the variance of a parameter exceeds a share of the squared range that a fit may search;
     none where that of all does, or where the parameters are components of one quantity. covariance: (p, p).
     """
+    unknown = _exceeds_range(instance, options().least_information * covariance)
+    return np.zeros(instance.size, dtype=bool) if unknown.all() else unknown
+
+
+def undetermined(instance: EffectInstance, covariance: Array) -> NDArray[np.bool_]:
+    """(p,) the unidentifiable parameters, and those whose standard error exceeds all of the range that a fit
+    may search: of an explanation that these runs do not distinguish from another, that may be all of them.
+    """
+    return unidentifiable(instance, covariance) | _exceeds_range(instance, covariance)
+
+
+def _exceeds_range(instance: EffectInstance, covariance: Array) -> NDArray[np.bool_]:
+    """(p,) whether a variance exceeds the squared range of a fit; none of components of one quantity."""
     together = instance.effect.vector or instance.effect.half_turn or instance.groups or instance.curve
     reach = np.array([spec.high - spec.low for spec in instance.specs])
-    unknown = np.diag(covariance) * options().least_information > reach**2
-    return np.zeros(instance.size, dtype=bool) if together or unknown.all() else unknown
+    return np.zeros(instance.size, dtype=bool) if together else np.diag(covariance) > reach**2
