@@ -1,7 +1,7 @@
 """The datasets of a fleet: whose they are, and the names of their folders in the fleet's."""
 
 import os
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
@@ -19,9 +19,7 @@ def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member
     folder, each is a boat of its own. UserError for one that is no folder or is given twice.
     """
     whole = [Path(os.path.abspath(one)) for one in datasets]
-    for path, times in Counter(whole).items():
-        if times > 1:
-            raise UserError(f"{path}: is given {times} times; name each dataset once")
+    _refuse_twice(whole)
     folders = {path.parent for path in whole}
     several = len(folders) > 1
     labels = _told_apart(folders)
@@ -40,6 +38,18 @@ def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member
     if several and boat is None:
         found = _by_vehicle(found)
     return sorted(found, key=lambda one: one.name)
+
+
+def _refuse_twice(paths: Sequence[Path]) -> None:
+    """UserError for a dataset that is given twice, also by the path of a link: its runs would count twice."""
+    same = defaultdict[str, list[str]](list)
+    for path in paths:
+        same[os.path.realpath(path)].append(clipped(str(path), 200))
+    for given in same.values():
+        if len(given) > 1:
+            names = list(dict.fromkeys(given))
+            fault = "are the same folder" if len(names) > 1 else f"is given {len(given)} times"
+            raise UserError(f"{' and '.join(names)}: {fault}; name each dataset once")
 
 
 def _told_apart(folders: Collection[Path]) -> dict[Path, tuple[str, ...]]:

@@ -44,6 +44,14 @@ def test_two_datasets_that_would_have_one_folder_are_both_named(tmp_path: Path, 
     assert str(refused.value).startswith(f"{given[0]} and {given[1]}: both would be named")
 
 
+def test_a_dataset_is_given_twice_by_the_path_of_a_link_too(tmp_path: Path) -> None:
+    (tmp_path / "red" / "may").mkdir(parents=True)
+    (tmp_path / "blue").symlink_to(tmp_path / "red")
+    given = [tmp_path / boat / "may" for boat in ("red", "blue")]
+    with pytest.raises(UserError, match=f"^{given[0]} and {given[1]}: are the same folder; name each"):
+        members_of(given)
+
+
 def test_datasets_of_one_folder_that_name_other_vehicles_are_no_days_of_one_boat(tmp_path: Path) -> None:
     boat = load_boat("swamp")
     for day, vehicle in {"may": "swamp", "june": "swamp", "july": "swamp-light"}.items():
