@@ -11,3 +11,8 @@ def counted(number: int, noun: str) -> str:
 def and_others(names: Sequence[str]) -> str:
     """The first name and how many others there are: `run1 and 3 others`."""
     return names[0] + (f" and {counted(len(names) - 1, 'other')}" if len(names) > 1 else "")
+
+
+def few(names: Sequence[str], most: int = 6) -> str:
+    """The names; of more than `most`, the first and how many others there are."""
+    return ", ".join(names) if len(names) <= most else and_others(names)

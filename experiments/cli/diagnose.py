@@ -10,7 +10,7 @@ import typer
 from swamp_rl.experiments.cli.options import IgnoreOption, OwnBoatOption
 from swamp_rl.experiments.cli.outputs import refuse_suffix
 
-from swamp_rl.counted import counted
+from swamp_rl.counted import counted, few
 from swamp_rl.errors import UserError
 from swamp_rl.names import YAML
 
@@ -81,7 +81,7 @@ def diagnose(
     workers: TwinWorkers = None,
 ) -> None:
     """Identify the causes of a model's error in measured runs, extend the boat file, measure the gain."""
-    given = ", ".join(map(str, dataset))
+    given = few([str(one) for one in dataset])
     from swamp_rl.printed_figures.schema import is_figures_file
     from swamp_rl.runs.dataset import own_boat
 

@@ -7,6 +7,7 @@ import pytest
 
 from swamp_rl.api import simulate
 from swamp_rl.boat import load_boat
+from swamp_rl.criticism.data.inputs import Inputs
 from swamp_rl.criticism.data.run_set import read_run_set
 from swamp_rl.criticism.diagnose import diagnose
 from swamp_rl.errors import UserError
@@ -68,7 +69,11 @@ def test_the_effects_of_the_boat_of_simulated_runs_are_named(tmp_path: Path, cal
 
 @pytest.mark.parametrize(
     ("second", "message"),
-    [("may", "is given twice"), ("other/may", "rename one"), ("june", "recorded with boat swamp-light")],
+    [
+        ("may", "is given twice"),
+        ("other/may", "rename one, or diagnose several boats with swamp-rl fleet"),
+        ("june", "recorded with boat swamp-light"),
+    ],
 )
 def test_what_cannot_be_diagnosed_together_is_refused_in_one_line(
     tmp_path: Path, second: str, message: str
@@ -82,3 +87,9 @@ def test_what_cannot_be_diagnosed_together_is_refused_in_one_line(
         diagnose([first, tmp_path / second], "swamp", tmp_path / "answer")
     assert "\n" not in str(refused.value)
     assert not (tmp_path / "answer").exists()
+
+
+def test_of_many_datasets_a_message_names_the_first() -> None:
+    folders = tuple(Path(f"day{number}") for number in range(9))
+    assert Inputs(folders[:2], "swamp", None).label == "day0, day1"
+    assert Inputs(folders, "swamp", None).label == "day0 and 8 others"

@@ -126,7 +126,8 @@ def refuse_mixed(folders: Sequence[Path]) -> None:
                 raise UserError(f"{folder}: is given twice; give every dataset once")
             if dataset_name(folder) == dataset_name(earlier):
                 raise UserError(
-                    f"{folder}: has the name of {earlier}, and runs are named after their dataset; rename one"
+                    f"{folder}: has the name of {earlier}, and runs are named after their dataset; rename "
+                    "one, or diagnose several boats with swamp-rl fleet"
                 )
         _refuse_another_boat(folders[0], folder, "give the runs of one boat at a time")
 

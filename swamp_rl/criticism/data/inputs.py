@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
+from swamp_rl.counted import few
 from swamp_rl.criticism.data.checks import dataset_name, refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
@@ -30,7 +31,7 @@ class Inputs:
     @property
     def label(self) -> str:
         """The folders as they were given, for messages."""
-        return ", ".join(map(str, self.folders))
+        return few([str(one) for one in self.folders])
 
     @property
     def names(self) -> str:
