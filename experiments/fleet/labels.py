@@ -1,5 +1,7 @@
 """Labels of causes, by which a fleet compares the diagnoses of its datasets."""
 
+from collections.abc import Sequence
+
 from swamp_rl.criticism.report.words import DIFFERS
 from swamp_rl.criticism.result import Cause, Diagnosis
 from swamp_rl.effects import LIBRARY
@@ -29,11 +31,21 @@ def indistinguishable_from(cause: str, diagnosis: Diagnosis) -> set[str]:
     """A cause of a diagnosis and those, but the weather, that equivalent explanations have in its place."""
     found = {cause}
     for explanations in diagnosis.indistinguishable:
-        sets = [_labels(one) for one in explanations]
-        differing = set[str]().union(*sets) - sets[0].intersection(*sets)
+        differing = _differing(explanations)
         if cause in differing:
             found |= {one for one in differing if not is_weather(one)}
     return found
+
+
+def explanations_of(cause: str, indistinguishable: Sequence[Sequence[str]]) -> int:
+    """How many equivalent explanations a cause is in one of; 1 where all have it."""
+    return max((len(one) for one in indistinguishable if cause in _differing(one)), default=1)
+
+
+def _differing(explanations: Sequence[str]) -> set[str]:
+    """The causes that not all of equivalent explanations have."""
+    sets = [_labels(one) for one in explanations]
+    return set[str]().union(*sets) - sets[0].intersection(*sets)
 
 
 def named_in(diagnosis: Diagnosis) -> set[str]:

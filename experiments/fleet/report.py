@@ -8,6 +8,8 @@ from urllib.parse import quote
 from swamp_rl.experiments.fleet.result import Fleet, Member
 from swamp_rl.experiments.fleet.words import (
     cause_words,
+    causes_of_boat,
+    drift_values,
     effect_words,
     equivalents,
     listed,
@@ -19,7 +21,6 @@ from swamp_rl.experiments.fleet.words import (
 
 from swamp_rl.counted import counted
 from swamp_rl.criticism.report.words import in_degrees
-from swamp_rl.digits import digits, known
 from swamp_rl.html_page import document, minus, plain, prose, table
 
 
@@ -44,7 +45,7 @@ def _opening(fleet: Fleet) -> str:
 
 
 def _boats(fleet: Fleet) -> str:
-    rows = [(one.boat, listed(one.causes) or "none", listed(one.lesser)) for one in fleet.boats]
+    rows = [(one.boat, causes_of_boat(one, fleet) or "none", listed(one.lesser)) for one in fleet.boats]
     heads = ("boat", "causes of its own, kept in a dataset", "only minor, or not kept")
     note = ""
     if fleet.weather:
@@ -135,12 +136,8 @@ def _shared(fleet: Fleet) -> str:
 def _drifts(fleet: Fleet) -> str:
     rows = []
     for one in fleet.drifts:
-        factor, unit = in_degrees(one.unit)
-        values = "; ".join(
-            f"{name} " + minus(f"{known(factor * value, error, 6)} ± {digits(error, 2)}")
-            for name, value in one.values.items()
-            for error in (factor * one.standard_errors[name],)
-        )
+        _, unit = in_degrees(one.unit)
+        values = "; ".join(f"{name} {minus(value)}" for name, value in drift_values(one))
         cause = effect_words(one.cause)
         rows.append((one.boat, cause, one.parameter.replace("_", " "), unit, values, _p(one.p)))
     heads = ("boat", "cause", "parameter", "unit", "values ± one standard error", "p")

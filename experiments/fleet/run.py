@@ -148,9 +148,10 @@ def carry_out(jobs: Mapping[str, str], pool: Pool, tell: Tell) -> dict[str, str]
 
 
 def _outcome(result: Mapping[str, Any]) -> str:
-    """The verdict of a diagnosis and the boat's causes."""
-    causes = result.get("causes", [])
-    return f"{result['verdict']}; {listed(causes)}" if causes else str(result["verdict"])
+    """The verdict of a diagnosis, the boat's causes and the weather."""
+    causes, weather = result.get("causes"), result.get("weather")
+    found = [listed(causes)] if causes else []
+    return "; ".join([result["verdict"], *found, *([f"weather: {listed(weather)}"] if weather else [])])
 
 
 def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> Fleet:

@@ -3,16 +3,15 @@
 import math
 from collections.abc import Collection, Sequence
 
-from swamp_rl.experiments.fleet.result import Change, Fleet, MemberCause, SharedCause
+from swamp_rl.experiments.fleet.labels import explanations_of
+from swamp_rl.experiments.fleet.result import BoatCauses, Change, Drift, Fleet, MemberCause, SharedCause
 
-from swamp_rl.counted import and_others, counted
+from swamp_rl.counted import counted, few
 from swamp_rl.criticism.report.words import in_degrees, readable
 from swamp_rl.criticism.result import Estimate
 from swamp_rl.digits import digits, known
 from swamp_rl.html_page import minus, places_of
 
-NAMED = 6
-"""Datasets that a sentence names."""
 DIFFERS = {"day": "another on each day", "run": "another in each run"}
 
 
@@ -57,11 +56,15 @@ def estimate_words(given: Estimate) -> str:
         return minus(f"{side}{digits(value, 3)} {unit}".strip())
     if not (0.0 < error < math.inf):
         return minus(f"{digits(value, 4)} {unit}".strip())
-    places = places_of(error, 2)
-    shown = f"{value:.{places}f} ± {error:.{places}f}"
+    return f"{minus(value_and_error(value, error))} {unit}".strip().replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def value_and_error(value: float, error: float) -> str:
+    """A value and its standard error, to the second digit of that."""
     if error < 1e-4:
-        shown = f"{known(value, error, 6)} ± {digits(error, 2)}"
-    return minus(f"{shown} {unit}".strip())
+        return f"{known(value, error, 6)} ± {digits(error, 2)}"
+    places = places_of(error, 2)
+    return f"{value:.{places}f} ± {error:.{places}f}"
 
 
 def equivalents(explanations: Sequence[str]) -> str:
@@ -95,10 +98,9 @@ def warning_sentence(fleet: Fleet) -> str:
     diagnosed = [one for one in fleet.members if one.verdict]
     if not warned:
         return ""
-    names = [one.name for one in warned]
-    shown = ", ".join(names) if len(names) <= NAMED else and_others(names)
     sentence = (
-        f"In {len(warned)} of {counted(len(diagnosed), 'dataset')} ({shown}) the boat file predicts "
+        f"In {len(warned)} of {counted(len(diagnosed), 'dataset')} ({few([one.name for one in warned])}) the "
+        "boat file predicts "
         "positions no better than a trivial predictor"
     )
     if len({one.boat_file for one in diagnosed} - {None}) == 1 and len(warned) < len(diagnosed) / 2:
@@ -113,9 +115,37 @@ def change_words(one: Change) -> str:
     return f"{one.boat}: {effect_words(one.cause)} found in {found}, not in {absent}"
 
 
+def causes_of_boat(boat: BoatCauses, fleet: Fleet) -> str:
+    """The causes of a boat, with the number of explanations where each dataset has equivalent ones."""
+    own = [one for one in fleet.members if one.boat == boat.boat]
+    found = []
+    for cause in boat.causes:
+        has = [one.indistinguishable for one in own if cause in {each.cause for each in one.causes}]
+        many = min((explanations_of(cause, one) for one in has), default=1)
+        found.append(effect_words(cause) + (f" [1 of {many} explanations]" if many > 1 else ""))
+    return ", ".join(found)
+
+
+def drift_values(one: Drift) -> list[tuple[str, str]]:
+    """Each dataset and its value with the standard error, angles in degrees."""
+    factor, _ = in_degrees(one.unit)
+    errors = {name: factor * error for name, error in one.standard_errors.items()}
+    return [(name, value_and_error(factor * value, errors[name])) for name, value in one.values.items()]
+
+
+def drift_words(one: Drift) -> str:
+    """What differs between the datasets of a boat, with its unit and values."""
+    _, unit = in_degrees(one.unit)
+    name, parameter = effect_words(one.cause), one.parameter.replace("_", " ")
+    if not one.cause.split()[0].endswith(one.parameter):  # mass, not mass mass
+        name += f" {parameter}"
+    values = ", ".join(map(" ".join, drift_values(one)))
+    return f"{one.boat}: {name} differs{f' [{unit}]' if unit else ''}: {values}"
+
+
 def boat_lines(fleet: Fleet) -> list[str]:
     """The causes of each boat that has any, and the boats without."""
-    lines = [f"{one.boat}: {listed(one.causes)}" for one in fleet.boats if one.causes]
+    lines = [f"{one.boat}: {causes_of_boat(one, fleet)}" for one in fleet.boats if one.causes]
     lesser = [f"{one.boat} ({listed(one.lesser)})" for one in fleet.boats if one.lesser and not one.causes]
     lines += [f"only minor causes, or not kept ones: {'; '.join(lesser)}"] if lesser else []
     healthy = [one.boat for one in fleet.boats if not one.causes and not one.lesser]
@@ -131,10 +161,8 @@ def outcome_lines(fleet: Fleet) -> list[str]:
     """What the terminal says of a fleet, a line each."""
     lines = boat_lines(fleet)
     lines += [f"{shared_words(one, fleet)}: {', '.join(one.boats)}" for one in fleet.shared]
-    for drift in fleet.drifts:
-        factor, unit = in_degrees(drift.unit)
-        values = ", ".join(f"{name} {factor * value:.3g}" for name, value in drift.values.items())
-        what = f"{effect_words(drift.cause)} {drift.parameter.replace('_', ' ')} differs"
-        lines.append(f"{drift.boat}: {what}{f' [{unit}]' if unit else ''}: {values}")
+    lines += [drift_words(one) for one in fleet.drifts]
     lines += [change_words(one) for one in fleet.changes]
-    return lines + [one for one in (weather_sentence(fleet), warning_sentence(fleet)) if one]
+    lines += [one for one in (weather_sentence(fleet), warning_sentence(fleet)) if one]
+    failed = [one.name for one in fleet.members if one.verdict is None]
+    return lines + ([f"not diagnosed, see above or fleet.html: {few(failed)}"] if failed else [])

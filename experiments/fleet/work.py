@@ -36,8 +36,15 @@ def diagnose_one(job: str) -> str:
         found = diagnose(dataset, asked["boat"], out, ignore=asked["ignore"], notes=notes)
     except UserError as error:
         return json.dumps({"error": " ".join(str(error).split())})
-    causes = [label(one) for one in found.causes if not is_weather(label(one))]
-    return json.dumps({"verdict": found.verdict, "causes": causes, "seconds": found.elapsed_s})
+    return answer_of(found)
+
+
+def answer_of(found: Diagnosis) -> str:
+    """What a worker says of a diagnosis: the verdict, the boat's causes, the weather."""
+    every = [label(one) for one in found.causes]
+    weather = [one for one in every if is_weather(one)]
+    causes = [one for one in every if one not in weather]
+    return json.dumps({"verdict": found.verdict, "causes": causes, "weather": weather})
 
 
 def input_of(dataset: Path, numbers: str, ignore: list[str], version: str) -> dict[str, object]:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from swamp_rl.experiments.fleet import diagnose_fleet
-from swamp_rl.experiments.fleet.work import INPUT, RESULT
+from swamp_rl.experiments.fleet.work import INPUT, RESULT, answer_of
 
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, HeldOut
 from swamp_rl.workers.processes import ProcessPool
@@ -49,8 +49,7 @@ def pretend(job: str) -> str:
     (out / RESULT).write_text(found.model_dump_json())
     time.sleep(data.get("seconds", 0.0))
     (out / INPUT).write_text(json.dumps(asked["input"]))
-    causes = [one.effect for one in found.causes]
-    return json.dumps({"verdict": found.verdict, "causes": causes, "seconds": 0.0})
+    return answer_of(found)
 
 
 def datasets(folder: Path, meta: dict[str, Any]) -> list[Path]:

@@ -84,3 +84,17 @@ def test_a_fleet_says_the_causes_of_each_boat_as_it_is_diagnosed_and_the_boats_w
     lines = call("fleet", *given, "--out", "out")[1].splitlines()
     assert {"red: cause; mass", "blue: nothing_wrong"} <= set(lines)
     assert {"  red: mass", "  no cause of their own: blue"} <= set(lines)
+
+
+def test_a_fleet_says_the_weather_of_a_dataset_and_which_were_not_diagnosed(
+    call: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wind = {"effect": "wind", "parameter": "speed", "value": 3.0, "error": 0.1, "gain": 80.0, "unit": "m/s"}
+    told = {"red": {"causes": [wind]}, "blue": {"error": "too short"}}
+    monkeypatch.setattr(
+        "swamp_rl.experiments.fleet.run.open_pool", lambda *asked: nullcontext(PoolHere(pretend, 1, 0))
+    )
+    message = call("fleet", *map(str, datasets(Path("in"), told)), "--out", "out")[1]
+    lines = message.splitlines()
+    assert "red: cause; weather: wind" in lines
+    assert "  not diagnosed, see above or fleet.html: blue" in lines

@@ -68,7 +68,7 @@ def test_the_report_names_what_is_shared_what_differs_and_what_failed(folder: Pa
     page = (folder / "out" / "fleet.html").read_text()
     assert "5 datasets of 3 boats" in page
     assert "no thrust in any run" in page and "1 dataset could not be diagnosed" in page
-    assert "red_june 65 ± 0.2; red_may 62 ± 0.2" in page
+    assert "red_june 65.00 ± 0.20; red_may 62.00 ± 0.20" in page
     assert Fleet.model_validate_json((folder / "out" / "fleet.json").read_text()) == found
 
 

@@ -35,7 +35,7 @@ def fleet(folder: Path, found: Mapping[str, Diagnosis], boat_file: str | None = 
 
 def text(found: Fleet) -> str:
     """The page's text, cells and lines apart."""
-    return html.unescape(re.sub(r"<[^>]+>", "|", page(found)))
+    return html.unescape(re.sub(r"<[^>]+>", "|", page(found))).replace("\N{NO-BREAK SPACE}", " ")
 
 
 def gain() -> Cause:
@@ -106,8 +106,22 @@ def test_angles_that_differ_between_days_are_in_degrees_and_names_keep_their_hyp
         for name, angle in angles.items()
     }
     whole = fleet(tmp_path, days)
-    assert "red 2026-05 8 ± 0.057; red 2026-06 −2 ± 0.057" in text(whole)
-    assert "red: heading bias bias differs [degrees]: red 2026-05 8, red 2026-06 -2" in outcome_lines(whole)
+    assert "red 2026-05 8.000 ± 0.057; red 2026-06 −2.000 ± 0.057" in text(whole)
+    values = "red 2026-05 8.000 ± 0.057, red 2026-06 -2.000 ± 0.057"
+    assert f"red: heading bias differs [degrees]: {values}" in outcome_lines(whole)
+
+
+def test_a_boats_cause_says_of_how_many_explanations_it_is_where_no_day_tells_them_apart(
+    tmp_path: Path,
+) -> None:
+    unsure = diagnosis(
+        gain(), indistinguishable=[["thruster_gain port + mass", "throttle_dead_band port + mass"]]
+    )
+    days = {"red may": unsure, "red june": unsure, "blue may": unsure, "blue june": diagnosis(gain())}
+    whole = fleet(tmp_path, days)
+    assert "red: thruster gain (port) [1 of 2 explanations]" in outcome_lines(whole)
+    assert "blue: thruster gain (port)" in outcome_lines(whole)
+    assert "|thruster gain (port) [1 of 2 explanations]|" in text(whole)
 
 
 def sisters(sick: int, of: int) -> dict[str, Diagnosis]:
