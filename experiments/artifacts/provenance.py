@@ -17,6 +17,7 @@ from swamp_rl.files import CONFIG_KINDS, config_copies, read_yaml, refuse_object
 from swamp_rl.names import is_yaml
 from swamp_rl.own_code import source_digests
 from swamp_rl.pilots.own import SHIPPED, model_file, own_class, settings_of
+from swamp_rl.runs.copies import extending
 
 RESULTS, TRAINED = "results.json", "training.json"
 """Marks of a whole result and of one whose pilots are trained but not evaluated."""
@@ -41,7 +42,7 @@ def description(scene: Scene) -> dict[str, bytes]:
     """The files that say what a result is of, by path in its folder: configuration and versions."""
     written = yaml_text(scene.experiment.model_dump(mode="json"))
     files = {f"{CONFIG}/{EXPERIMENT}": written.encode()}
-    files |= {f"{CONFIG}/{name}": file.read_bytes() for name, file in config_files(scene).items()}
+    files |= {f"{CONFIG}/{name}": text for name, text in _copies(scene).items()}
     own = own_code_of(scene.experiment)
     entries = versions() | {f"{OWN_CODE} {module}": digest for module, digest in own.items()}
     return files | {VERSIONS: (json.dumps(entries, indent=2) + "\n").encode()}
@@ -49,10 +50,21 @@ def description(scene: Scene) -> dict[str, bytes]:
 
 def digests_of_inputs(scene: Scene) -> dict[str, str]:
     """SHA-256 of each file that an experiment names: boat, course, levels and the modules of own code."""
-    files = {
-        name: hashlib.sha256(file.read_bytes()).hexdigest() for name, file in config_files(scene).items()
-    }
+    files = {name: hashlib.sha256(text).hexdigest() for name, text in _copies(scene).items()}
     return files | own_code_of(scene.experiment)
+
+
+def _copies(scene: Scene) -> dict[str, bytes]:
+    """The files that an experiment names, by the path that each is kept at. One that extends a path
+    extends the copy of that file.
+    """
+    texts = {}
+    for name, file in config_files(scene).items():
+        texts[name], data = file.read_bytes(), read_yaml(file)
+        base = data.get("extends")
+        if isinstance(base, str) and (beside := Path(base).name) != base:
+            texts[name] = extending(texts[name], data, beside)
+    return texts
 
 
 def own_code_of(experiment: Experiment) -> dict[str, str]:

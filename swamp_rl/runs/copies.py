@@ -60,12 +60,12 @@ def _copy_boat(boat: str | Path, files: Files) -> str:
         stem, number = _stem(path.stem), 1
         while (name := f"{stem}{f'-{number}' if number > 1 else ''}.yaml") in {META, *files}:
             number += 1
-        files[name] = _extending(_bytes_of(path), data, below) if below else _bytes_of(path)
+        files[name] = extending(_bytes_of(path), data, below) if below else _bytes_of(path)
         below = name
     return below.removesuffix(".yaml")
 
 
-def _extending(text: bytes, data: Mapping[str, Any], base: str) -> bytes:
+def extending(text: bytes, data: Mapping[str, Any], base: str) -> bytes:
     """A boat file that extends the file `base` beside it and is the same otherwise, comments and all."""
     lines = _EXTENDS.findall(text)
     if len(lines) == 1 and str(data["extends"]).encode() in lines[0]:

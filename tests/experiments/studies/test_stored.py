@@ -289,3 +289,24 @@ def test_a_boat_file_with_its_suffix_in_capitals_is_evaluated_as_it_was_in_the_t
     Path("Boat.YAML").unlink()
     found = evaluate_folders(Path("out"), {"episodes": 1, "levels": ["calm"]})
     assert (found / "config" / "boats" / "Boat.YAML").is_file()
+
+
+def test_a_boat_and_a_course_that_extend_files_of_other_folders_are_evaluated_without_these(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    files = {
+        "Flotte Süd/mine.yaml": "extends: swamp\nname: mine\n",
+        "Flotte Süd/pier.yaml": "extends: camogli\n",
+        "neu/extended.yaml": "extends: ../Flotte Süd/mine.yaml\nname: extended\n",
+        "neu/harbour.yaml": "extends: ../Flotte Süd/pier.yaml\n",
+    }
+    for name, text in files.items():
+        Path(name).parent.mkdir(exist_ok=True)
+        Path(name).write_text(text)
+    named = ["boat=neu/extended.yaml", "course=neu/harbour.yaml"]
+    train_experiment("smoke", named, Path("out"), ["line-of-sight"])
+    shutil.rmtree("Flotte Süd")
+    shutil.rmtree("neu")
+    found = evaluate_folders(Path("out"), {"episodes": 1, "levels": ["calm"]})
+    assert (found / "config" / "boats" / "extended.yaml").read_text().startswith("extends: mine.yaml\n")
