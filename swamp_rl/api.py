@@ -52,9 +52,10 @@ def simulate(boat: Boat | str | Path, commands: Run | ArrayLike, step: float = 0
     """Simulate a boat with its effects under commands; return the run.
 
     - `boat`: a boat, or the name or path of its file.
-    - `commands`: (T, 2K) for K thrusters in the boat file's order: K azimuths [rad], then K throttles [1].
-      Each row is held for `step` [s]; the boat starts at rest at the origin, heading north. Or a run: its
-      commands are replayed from its first state at its own times.
+    - `commands`: (T, 2K) for K thrusters in the boat file's order: K azimuths or rudder angles [rad], then K
+      throttles [1], of a propeller with a rudder revolutions [rps]. Each row is held for `step` [s]; the
+      boat starts at rest at the origin, heading north. Or a run: its commands are replayed from its first
+      state at its own times.
     - `seed`: of random effects, such as gusts.
 
     The columns of the result are those of the run format, (T,) each. UserError if the commands are not those
