@@ -182,6 +182,12 @@ def test_a_trial_ends_where_any_track_exceeds_a_limit() -> None:
     assert rows_within(replace(limits, speed=1.5), tracks, BOAT.length)[0] == 7
 
 
+@pytest.mark.parametrize("area", ["40x30", "40 x 30", "40X30", "40×30"])
+def test_an_area_is_read_as_the_report_writes_it(area: str) -> None:
+    limits = trial_limits(area, BOAT)
+    assert (limits.north, limits.east) == (40.0, 30.0)
+
+
 @pytest.mark.parametrize("area", ["40x40ft", "40", "-3x40", "40 m x 40 m", "1x1", "nanx40", "40x1e9"])
 def test_what_is_no_area_that_the_boat_can_move_in_is_refused(area: str) -> None:
     with pytest.raises(UserError, match=r"--next .*area"):

@@ -44,11 +44,11 @@ def trial_limits(
     speed: float | None = None,
     throttle: float = 1.0,
 ) -> TrialLimits:
-    """The limits from an area as `40x30`, metres to the north and to the east.
+    """The limits from an area as `40x30` or `40 x 30`, metres to the north and to the east.
 
     UserError for text that is no area, one that the boat cannot move in, and a number out of range.
     """
-    found = re.fullmatch(rf"{NUMBER}[xX]{NUMBER}", area.strip(), re.ASCII)
+    found = re.fullmatch(rf"{NUMBER} ?[xX×] ?{NUMBER}", area.strip(), re.ASCII)
     if found is None:
         raise UserError(f"--next {area}: no area; give metres north and east as 40x40, without a unit")
     north, east = float(found[1]), float(found[2])
