@@ -76,7 +76,7 @@ def posterior_limits(diagnosis: Path) -> list[str]:
 def _limits(found: Diagnosis | FiguresDiagnosis) -> list[str]:
     if found.verdict == "unexplained" and _force_of(found):
         return [
-            "verdict unexplained: the force curve stands for what no effect explains, in these motions only"
+            "verdict unexplained: the force curve stands for what no effect explains, in such motions"
         ]
     if found.verdict == "unexplained":
         return ["verdict unexplained: these effects explain a part of the model error, the rest is left out"]
