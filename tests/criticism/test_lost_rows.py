@@ -222,6 +222,22 @@ def test_windows_end_at_a_short_gap_before_a_long_one() -> None:
     assert list(windows.first + windows.steps) == [ROW - 3, 249, 399]
 
 
+def test_windows_after_a_gap_begin_once_azimuths_no_longer_hang_on_the_lost_commands() -> None:
+    given = np.zeros((1, 400, 8))
+    swing = np.where(np.arange(400) < ROW, -1.2, 1.4)[:, None]
+    given[0, :, :4], given[0, :, 4:] = swing * [1.0, 1.0, -1.0, -1.0], 0.6
+    sailed = driven([], given, 1.0, seed=3)
+    late = given.copy()
+    late[:, ROW : ROW + 4] = given[:, ROW - 1, None]
+    sailed.measured[:, ROW : ROW + 4] = np.nan
+    losses = []
+    for commands_read in (given, late):
+        log = replace(sailed, commands=commands_read, gaps=(Gap(0, ROW, 4),))
+        problem = Shooting(log, weights(log, noise_levels(log)), 20.0)
+        losses.append(fit(problem, Hypothesis(), np.zeros(0), problem.initial_states()).chi2)
+    assert losses[1] == pytest.approx(losses[0], abs=5.0)
+
+
 def test_another_azimuth_in_a_gap_lies_on_the_shorter_way_round() -> None:
     log = driven([], np.stack([commands(2)]), 0.0, seed=1)
     log.commands[0, :ROW, 0], log.commands[0, ROW:, 0] = 3.0, -3.0

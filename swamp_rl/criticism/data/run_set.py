@@ -20,7 +20,7 @@ from swamp_rl.criticism.data.checks import (
     refuse_too_short,
     refuse_unexciting,
 )
-from swamp_rl.criticism.model.actuator_history import first_compared
+from swamp_rl.criticism.model.actuator_history import first_compared, first_known_again
 from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
 from swamp_rl.runs import Run, inspect_dataset, refuse_faults
@@ -109,6 +109,14 @@ class RunSet:
     def first_compared(self) -> NDArray[np.int64]:
         """(R,) first row that is compared with a simulation; before it the actuators' states are unknown."""
         return first_compared(self.boat, self.commands, self.lengths, self.dt)
+
+    @cached_property
+    def compared_again(self) -> list[int]:
+        """First row after each gap that is compared with a simulation; before it the actuators' states are
+        unknown, as the commands in the gap are.
+        """
+        lost = [(gap.run, gap.row, gap.rows) for gap in self.gaps]
+        return first_known_again(self.boat, self.commands, lost, self.dt) if lost else []
 
     def with_commands_of(self, other: "RunSet") -> "RunSet":
         """These runs, their commands reconstructed as those of `other` are."""

@@ -56,7 +56,8 @@ def cut(run_set: RunSet, weight: Array, seconds: float, before: float | None = N
     """Windows of about `seconds` without overlap, inf: one window a run; simulated from `before` [s]
     earlier.
 
-    A run is cut in a power of two, so that longer windows start where shorter ones do, and at every gap.
+    A run is cut in a power of two, so that longer windows start where shorter ones do, and at every gap
+    until the actuators are known again.
     """
     pad = steps_over(options().pad if before is None else before, run_set.dt)
     shortest = steps_over(options().shortest_window, run_set.dt)
@@ -67,7 +68,8 @@ def cut(run_set: RunSet, weight: Array, seconds: float, before: float | None = N
         ratio = available * run_set.dt / seconds if math.isfinite(seconds) else 1.0
         pieces = 2 ** max(0, round(math.log2(ratio)))
         edges = np.linspace(transient, length, pieces + 1).round().astype(int)
-        lost = [(gap.row, gap.row + gap.rows) for gap in run_set.gaps if gap.run == run]
+        again = zip(run_set.gaps, run_set.compared_again, strict=True)
+        lost = [(gap.row, known) for gap, known in again if gap.run == run]
         for a, b in pairwise(edges):
             inside = [(g, h) for g, h in lost if g < b and h > a]
             starts = [a, *(h for _, h in inside)]

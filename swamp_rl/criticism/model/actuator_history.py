@@ -1,5 +1,6 @@
 """Azimuths and throttles along runs from the commands, and from when on the start is irrelevant."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -55,10 +56,28 @@ def first_compared(boat: Boat, commands: Array, lengths: NDArray[np.int64], dt: 
     start or at their first commands.
     """
     apart = actuator_history(boat, commands, dt) - actuator_history(boat, commands, dt, False)
-    azimuths = apart[..., : apart.shape[2] // 2]
-    azimuths[:] = within_half_turn(azimuths)
-    differ = (np.abs(apart) > options().actuators_converged).any(axis=2) & (
-        np.arange(commands.shape[1]) < lengths[:, None]
-    )
+    differ = _differ(apart) & (np.arange(commands.shape[1]) < lengths[:, None])
     last = np.where(differ.any(axis=1), differ.shape[1] - np.argmax(differ[:, ::-1], axis=1), 0)
     return np.maximum(steps_over(options().least_transient, dt), np.minimum(last, lengths // 2))
+
+
+def first_known_again(
+    boat: Boat, commands: Array, lost: Sequence[tuple[int, int, int]], dt: float
+) -> list[int]:
+    """First row after each stretch of lost rows (run, row, rows) at which the actuators' history is the
+    same, whether the commands (R, T, 2K) changed in its first row or after its last; T where there is none.
+    """
+    early, late = commands.copy(), commands.copy()
+    for run, row, rows in lost:
+        early[run, row : row + rows] = commands[run, min(row + rows, commands.shape[1] - 1)]
+        late[run, row : row + rows] = commands[run, max(row - 1, 0)]
+    differ = _differ(actuator_history(boat, early, dt) - actuator_history(boat, late, dt))
+    differ = np.column_stack([differ, np.zeros(len(differ), bool)])
+    return [row + rows + int(np.argmin(differ[run, row + rows :])) for run, row, rows in lost]
+
+
+def _differ(apart: Array) -> NDArray[np.bool_]:
+    """(R, T) whether two histories that are so far apart (R, T, 2K) differ, by the shorter way round."""
+    azimuths = apart[..., : apart.shape[2] // 2]
+    azimuths[:] = within_half_turn(azimuths)
+    return np.asarray((np.abs(apart) > options().actuators_converged).any(axis=2))
