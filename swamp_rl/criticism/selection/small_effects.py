@@ -121,8 +121,11 @@ def _fitted(
     """Fits at a stage of the given score tests, in their order up to one far above the best, best first."""
     criterion, known, made = continuation.criterion, by_label(instances), list[Fit]()
     for one in scores:
-        if made and criterion.expected(one) > min(map(criterion, made)) + options().follow_fit:
-            break
+        if made:
+            best = min(made, key=criterion)
+            room = options().follow_fit + options().follow_share_far * (at.chi2 - best.chi2)
+            if criterion.expected(one) > criterion(best) + room:
+                break
         hypothesis = at.hypothesis.with_instance(known[one.instance.label])
         made.append(continuation.fit(stage, hypothesis, one.x, at.states))
     return sorted(made, key=criterion)
