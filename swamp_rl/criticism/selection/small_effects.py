@@ -8,7 +8,12 @@ from numpy.typing import NDArray
 from swamp_rl.criticism.likelihood.output_error import Fit
 from swamp_rl.criticism.model.candidates import EffectInstance, by_label
 from swamp_rl.criticism.options import options
-from swamp_rl.criticism.selection.backward_elimination import confirmed_on, fit_by_continuation, without
+from swamp_rl.criticism.selection.backward_elimination import (
+    beside_kinks,
+    confirmed_on,
+    fit_by_continuation,
+    without,
+)
 from swamp_rl.criticism.selection.continuation import LAST, MIDDLE, Continuation
 from swamp_rl.criticism.selection.frequency_scan import scan_size
 from swamp_rl.criticism.selection.score_test import ScoreTest, score_tests_from_neutral
@@ -24,7 +29,7 @@ def with_small_effects(
     instances: all candidates; judged: labels of those identifiable on the shortest windows. The others are
     alternatives to every effect: no fit has compared them before.
     """
-    at = continuation.at(LAST, best)
+    at = beside_kinks(continuation, continuation.at(LAST, best), LAST)
     problem = continuation.problem(LAST, at.hypothesis)
     several = len(np.unique(problem.windows.run)) > 1
     if not several or at.chi2 > options().diverged * problem.samples:
