@@ -98,13 +98,14 @@ def fit_states(
     """States (W, 6), prediction and residual at least chi2 under x (p,), by Levenberg-Marquardt; base:
     (W, T + 1, 6) prediction to begin with, where known.
 
-    Converged windows are not simulated again; a Jacobian is kept until its window moves.
+    Converged windows are not simulated again; a Jacobian is kept until its window moves. A step is shortened
+    to `farthest_state`: one over which the model is far from linear leads into a local minimum.
     """
     count = len(states)
     states = states.copy()
     base = problem.track(hypothesis, x, states) if base is None else base.copy()
     residual = problem.residuals(base)
-    damping = np.zeros(count)
+    damping, farthest = np.zeros(count), options().farthest_state * state_reach(problem)
     A, b = np.zeros((count, 6, 6)), np.zeros((count, 6))
     active = moved = np.ones(count, dtype=bool)
     for _ in range(rounds):
@@ -114,6 +115,7 @@ def fit_states(
             A[moved], b[moved] = transposed @ slopes, (transposed @ residual[moved, :, None])[..., 0]
         step = np.linalg.solve(_ridged(A, damping), b[..., None])[..., 0]
         active &= (step * b).sum(axis=1) > options().window_decrease
+        step /= np.maximum(np.abs(step / farthest).max(axis=1, keepdims=True), 1.0)
         if not active.any():
             break
         part, tried = chosen_windows(problem, active), states[active] + step[active]
