@@ -93,19 +93,25 @@ def bounded_step(H: Array, g: Array, x: Array, low: Array, high: Array) -> Array
 
 
 def fit_states(
-    problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array, rounds: int, base: Array | None = None
+    problem: Shooting,
+    hypothesis: Hypothesis,
+    x: Array,
+    states: Array,
+    rounds: int,
+    base: Array | None = None,
+    farthest: Array | None = None,
 ) -> tuple[Array, Array, Array]:
     """States (W, 6), prediction and residual at least chi2 under x (p,), by Levenberg-Marquardt; base:
     (W, T + 1, 6) prediction to begin with, where known.
 
     Converged windows are not simulated again; a Jacobian is kept until its window moves. A step is shortened
-    to `farthest_state`: one over which the model is far from linear leads into a local minimum.
+    to `farthest` (6,): one over which the model is far from linear leads into a local minimum.
     """
     count = len(states)
     states = states.copy()
     base = problem.track(hypothesis, x, states) if base is None else base.copy()
     residual = problem.residuals(base)
-    damping, farthest = np.zeros(count), options().farthest_state * state_reach(problem)
+    damping = np.zeros(count)
     A, b = np.zeros((count, 6, 6)), np.zeros((count, 6))
     active = moved = np.ones(count, dtype=bool)
     for _ in range(rounds):
@@ -115,7 +121,8 @@ def fit_states(
             A[moved], b[moved] = transposed @ slopes, (transposed @ residual[moved, :, None])[..., 0]
         step = np.linalg.solve(_ridged(A, damping), b[..., None])[..., 0]
         active &= (step * b).sum(axis=1) > options().window_decrease
-        step /= np.maximum(np.abs(step / farthest).max(axis=1, keepdims=True), 1.0)
+        if farthest is not None:
+            step /= np.maximum(np.abs(step / farthest).max(axis=1, keepdims=True), 1.0)
         if not active.any():
             break
         part, tried = chosen_windows(problem, active), states[active] + step[active]
@@ -142,7 +149,8 @@ def at_states(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array
 
 def first_states(problem: Shooting, hypothesis: Hypothesis, x: Array, states: Array) -> Array:
     """(W, 6) initial states that a fit of x (p,) begins with, fitted from those smoothed from the data."""
-    return fit_states(problem, hypothesis, x, states, options().first_rounds)[0]
+    farthest = options().farthest_state * state_reach(problem)
+    return fit_states(problem, hypothesis, x, states, options().first_rounds, farthest=farthest)[0]
 
 
 def noise_free(problem: Shooting, truth: Fit) -> Shooting:
