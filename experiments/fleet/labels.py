@@ -1,6 +1,6 @@
 """Labels of causes, by which a fleet compares the diagnoses of its datasets."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 from swamp_rl.criticism.report.words import DIFFERS
 from swamp_rl.criticism.result import Cause, Diagnosis
@@ -37,9 +37,21 @@ def indistinguishable_from(cause: str, diagnosis: Diagnosis) -> set[str]:
     return found
 
 
-def explanations_of(cause: str, indistinguishable: Sequence[Sequence[str]]) -> int:
-    """How many equivalent explanations a cause is in one of; 1 where all have it."""
-    return max((len(one) for one in indistinguishable if cause in _differing(one)), default=1)
+def explanations_with(cause: str, indistinguishable: Sequence[Sequence[str]]) -> tuple[int, int]:
+    """How many of how many equivalent explanations have a cause; of several sets, those of the lowest share;
+    (1, 1) where all have it."""
+    sets = [one for one in indistinguishable if cause in _differing(one)]
+    counts = [(sum(cause in _labels(each) for each in one), len(one)) for one in sets]
+    return min(counts, key=_share, default=(1, 1))
+
+
+def least_doubtful(counts: Iterable[tuple[int, int]]) -> tuple[int, int]:
+    """Of several `explanations_with`, those of the highest share; (1, 1) where there is none."""
+    return max(counts, key=_share, default=(1, 1))
+
+
+def _share(counts: tuple[int, int]) -> float:
+    return counts[0] / counts[1]
 
 
 def _differing(explanations: Sequence[str]) -> set[str]:

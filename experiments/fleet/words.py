@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Sequence
 
-from swamp_rl.experiments.fleet.labels import explanations_of
+from swamp_rl.experiments.fleet.labels import explanations_with, least_doubtful
 from swamp_rl.experiments.fleet.result import BoatCauses, Change, Drift, Fleet, MemberCause, SharedCause
 
 from swamp_rl.counted import counted, few
@@ -116,13 +116,16 @@ def change_words(one: Change) -> str:
 
 
 def causes_of_boat(boat: BoatCauses, fleet: Fleet) -> str:
-    """The causes of a boat, with the number of explanations where each dataset has equivalent ones."""
+    """The causes of a boat, with the number of explanations that have one where each dataset has equivalent
+    ones without it."""
     own = [one for one in fleet.members if one.boat == boat.boat]
     found = []
     for cause in boat.causes:
         has = [one.indistinguishable for one in own if cause in {each.cause for each in one.causes}]
-        many = min((explanations_of(cause, one) for one in has), default=1)
-        found.append(effect_words(cause) + (f" [1 of {many} explanations]" if many > 1 else ""))
+        those, every = least_doubtful(explanations_with(cause, one) for one in has)
+        found.append(
+            effect_words(cause) + (f" [in {those} of {every} explanations]" if those < every else "")
+        )
     return ", ".join(found)
 
 

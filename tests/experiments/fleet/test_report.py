@@ -111,7 +111,7 @@ def test_angles_that_differ_between_days_are_in_degrees_and_names_keep_their_hyp
     assert f"red: heading bias differs [degrees]: {values}" in outcome_lines(whole)
 
 
-def test_a_boats_cause_says_of_how_many_explanations_it_is_where_no_day_tells_them_apart(
+def test_a_boats_cause_says_in_how_many_explanations_it_is_where_no_day_tells_them_apart(
     tmp_path: Path,
 ) -> None:
     unsure = diagnosis(
@@ -119,9 +119,12 @@ def test_a_boats_cause_says_of_how_many_explanations_it_is_where_no_day_tells_th
     )
     days = {"red may": unsure, "red june": unsure, "blue may": unsure, "blue june": diagnosis(gain())}
     whole = fleet(tmp_path, days)
-    assert "red: thruster gain (port) [1 of 2 explanations]" in outcome_lines(whole)
+    assert "red: thruster gain (port) [in 1 of 2 explanations]" in outcome_lines(whole)
     assert "blue: thruster gain (port)" in outcome_lines(whole)
-    assert "|thruster gain (port) [1 of 2 explanations]|" in text(whole)
+    assert "|thruster gain (port) [in 1 of 2 explanations]|" in text(whole)
+    pairs = diagnosis(gain(), indistinguishable=[["thruster_gain port + mass", "mass", "thruster_gain port"]])
+    found = outcome_lines(fleet(tmp_path, {"red may": pairs}))
+    assert "red: thruster gain (port) [in 2 of 3 explanations]" in found
 
 
 def sisters(sick: int, of: int) -> dict[str, Diagnosis]:
