@@ -76,7 +76,7 @@ def posterior_limits(diagnosis: Path) -> list[str]:
 def _limits(found: Diagnosis | FiguresDiagnosis) -> list[str]:
     if found.verdict == "unexplained" and _force_of(found):
         return [
-            "verdict unexplained: the force curve stands for what no effect explains, in such motions"
+            "verdict unexplained: force_curve stands for what no effect explains, in the range of the runs"
         ]
     if found.verdict == "unexplained":
         return ["verdict unexplained: these effects explain a part of the model error, the rest is left out"]

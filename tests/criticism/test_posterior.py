@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, truncnorm
 from swamp_rl.envs.batched import GatesVectorEnv
-from swamp_rl.experiments.config.posterior import write_posterior
+from swamp_rl.experiments.config.posterior import posterior_limits, write_posterior
 
 from swamp_rl.boat import load_boat
 from swamp_rl.effects import load_disturbances
@@ -374,8 +374,11 @@ def test_a_missing_force_is_drawn_with_what_was_fitted_beside_it_not_with_what_i
     curve |= {"values": [-5.0, 0.0, -5.0], "standard_errors": [0.2, 0.1, 0.2]}
     force = {"curves": [curve | {"units": ["N"]}], "beside": [WEAK], "written": True}
     force |= {"held_out": {"gain": 99.0, "low": 9.0, "level": 0.95}}
-    path.write_text(json.dumps(json.loads(path.read_text()) | {"extension": force}))
+    doubt = {"verdict": "unexplained", "extension": force}
+    path.write_text(json.dumps(json.loads(path.read_text()) | doubt))
     write_posterior(path, tmp_path / "found.yaml")
+    (line,) = posterior_limits(path)
+    assert line.endswith("force_curve stands for what no effect explains, in the range of the runs")
     weak, missing = read_yaml(tmp_path / "found.yaml")["effects"]
     assert weak["effect"] == "thruster_gain"
     assert missing == {"effect": "force_curve", **curve}
