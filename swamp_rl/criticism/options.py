@@ -228,7 +228,7 @@ class Options:
     jump_part: int = 4  # windows of which one is fitted first for an effect without parameters
     jump_windows: int = 12  # windows in all, from which that is done
     follow_share: float = 0.2  # of the best gain by which another may be worse and still be followed
-    follow_share_far: float = 0.5  # where the best leaves more than noise on longer windows; on whole runs
+    follow_share_far: float = 0.5  # where longer windows of the best need more; of its gain on whole runs
     follow_beam: float = 200.0  # chi2 by which it may be worse in any case
     follow_adequate: float = 100.0  # the same where the best is adequate
     follow_inadequate: float = 0.5  # of the best criterion, in addition, where it is not
