@@ -69,7 +69,8 @@ def extending(text: bytes, data: Mapping[str, Any], base: str) -> bytes:
     """A boat file that extends the file `base` beside it and is the same otherwise, comments and all."""
     lines = _EXTENDS.findall(text)
     if len(lines) == 1 and str(data["extends"]).encode() in lines[0]:
-        return _EXTENDS.sub(f"extends: {base}".encode(), text)
+        line = yaml_text({"extends": base}).rstrip().encode()
+        return _EXTENDS.sub(lambda _: line, text)
     return yaml_text({**data, "extends": base}).encode()
 
 

@@ -296,9 +296,9 @@ def test_a_boat_and_a_course_that_extend_files_of_other_folders_are_evaluated_wi
 ) -> None:
     monkeypatch.chdir(tmp_path)
     files = {
-        "Flotte Süd/mine.yaml": "extends: swamp\nname: mine\n",
+        "Flotte Süd/mine #2.yaml": "extends: swamp\nname: mine\n",
         "Flotte Süd/pier.yaml": "extends: camogli\n",
-        "neu/extended.yaml": "extends: ../Flotte Süd/mine.yaml\nname: extended\n",
+        "neu/extended.yaml": "extends: '../Flotte Süd/mine #2.yaml'\nname: extended\n",
         "neu/harbour.yaml": "extends: ../Flotte Süd/pier.yaml\n",
     }
     for name, text in files.items():
@@ -309,4 +309,5 @@ def test_a_boat_and_a_course_that_extend_files_of_other_folders_are_evaluated_wi
     shutil.rmtree("Flotte Süd")
     shutil.rmtree("neu")
     found = evaluate_folders(Path("out"), {"episodes": 1, "levels": ["calm"]})
-    assert (found / "config" / "boats" / "extended.yaml").read_text().startswith("extends: mine.yaml\n")
+    kept = (found / "config" / "boats" / "extended.yaml").read_text()
+    assert kept == "extends: 'mine #2.yaml'\nname: extended\n"
