@@ -350,9 +350,8 @@ def own_value(effect: str, parameter: str, boat: Boat) -> str:
     """The boat file's value of a parameter that replaces a number of it; empty for one that changes nothing
     at a neutral value.
     """
-    return (
-        neutral_value(effect, parameter, boat) if LIBRARY[effect].parameter(parameter).neutral is None else ""
-    )
+    replaces = LIBRARY[effect].parameter(parameter).neutral is None
+    return neutral_value(effect, parameter, boat) if replaces else ""
 
 
 def files_sentence(found: Diagnosis) -> str:
