@@ -362,6 +362,7 @@ class Options:
     trial_block: int = 6  # commands that an exchange replaces, at most
     trial_levels: tuple[float, ...] = (0.0, 0.3, 0.6, 0.8, 1.0)  # of the greatest throttle
     trial_angle_step: float = math.pi / 6  # rad between azimuths that are tried
+    trial_starts: tuple[float, ...] = (0.0, 1.0, 2.0, 4.0)  # linearised steps to begin a refit at
     trial_whole_boat: float = 0.6  # share of the exchanges that command all thrusters
     # ---- Candidates in the report
     listed: int = 20  # hypotheses that were fitted

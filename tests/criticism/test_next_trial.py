@@ -16,13 +16,13 @@ from swamp_rl.criticism.data.measurement_noise import noise_levels
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.diagnose import examine
 from swamp_rl.criticism.inference.next_trial import Designed, design_trial, question_of, write_trial
-from swamp_rl.criticism.inference.trial_evidence import Explanation, Question, rate, separation
+from swamp_rl.criticism.inference.trial_evidence import Explanation, Question, rate, refitted
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import fit
 from swamp_rl.criticism.model.candidates import Hypothesis, by_label, candidates
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
 from swamp_rl.criticism.model.trial_limits import UNLIMITED, TrialLimits, rows_within, trial_limits
-from swamp_rl.criticism.options import using
+from swamp_rl.criticism.options import DEFAULT, using
 from swamp_rl.criticism.report.next_trial import draw_next_trial, next_trial_sentences
 from swamp_rl.criticism.result import Narrowed, NextTrial, Separated
 from swamp_rl.effects import apply_effects, parse_effects
@@ -344,5 +344,14 @@ def test_explanations_that_a_refit_makes_equal_are_not_separated_though_linearis
     asked = Question(runs_of(ZIG_ZAG[None]), SIGMA, both)
     rated = rate(asked, ZIG_ZAG[None], UNLIMITED)
     assert math.sqrt(rated.least[0]) > 10.0
-    apart = separation(asked, ZIG_ZAG, rated.evidence[..., 0])
-    assert apart == pytest.approx(0.6, abs=0.1)  # the prior's
+    evidence, _ = refitted(asked, ZIG_ZAG[None], rated, 1)
+    prior = ((7.0 - 1.0) / 10.0) ** 2
+    assert evidence[0] == pytest.approx(prior, abs=DEFAULT.least_decrease)
+
+
+@pytest.mark.usefixtures("brief")
+def test_no_trial_separates_a_dead_thruster_from_a_gain_that_may_be_zero() -> None:
+    dead, weak = explained("thruster_failure bs", 0.0, 1.0), explained("thruster_gain bs", 0.02, 0.01)
+    result = designed(Question(runs_of(ZIG_ZAG[None]), SIGMA, (dead, weak))).result
+    prior = (0.02 / 0.01) ** 2
+    assert result.evidence == pytest.approx(prior, abs=DEFAULT.least_decrease)

@@ -1,5 +1,6 @@
 """Identifiability: indistinguishable hypotheses, what separates them, and effects hidden by model error."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -7,7 +8,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.criticism.data.run_set import RunSet
 from swamp_rl.criticism.inference.sandwich_covariance import sensitivities
-from swamp_rl.criticism.inference.trial_evidence import Question, explanation_of, rate, separation
+from swamp_rl.criticism.inference.trial_evidence import Question, explanation_of, rate, refitted
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, fit, noise_free
 from swamp_rl.criticism.model.candidates import EffectInstance, Hypothesis
@@ -52,22 +53,20 @@ def refit(problem: Shooting, truth: Fit, other: Fit) -> float:
 
 
 def separating_manoeuvre(run_set: RunSet, sigmas: Array, winner: Fit, rivals: list[Fit]) -> Manoeuvre | None:
-    """The manoeuvre of greatest least distance between any two of the fits, in standard errors; sought among
-    those whose linearised distance exceeds the best one's.
-    """
+    """The manoeuvre of greatest least distance between any two of the fits, in standard errors."""
     if not rivals:
         return None
     names, commands = zip(*manoeuvres(run_set.boat, run_set.dt).items(), strict=True)
     explanations = tuple(explanation_of(one, one.covariance) for one in (winner, *rivals))
     question = Question(run_set, sigmas, explanations)
     rated = rate(question, np.array(commands), UNLIMITED)
-    linearised, best, apart = np.sqrt(rated.least), 0, 0.0
-    for number in np.argsort(-linearised, kind="stable"):
-        if linearised[number] <= apart:
-            break
-        own = separation(question, commands[number], rated.evidence[..., number], apart)
-        best, apart = (number, own) if own > apart else (best, apart)
-    return Manoeuvre(manoeuvre=names[best], separation=apart, duration_s=options().trial_seconds)
+    evidence, _ = refitted(question, np.array(commands), rated, 1)
+    best = int(evidence.argmax())
+    return Manoeuvre(
+        manoeuvre=names[best],
+        separation=math.sqrt(evidence[best]),
+        duration_s=options().trial_seconds,
+    )
 
 
 def hidden_effects(

@@ -14,13 +14,19 @@ from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet
 from swamp_rl.criticism.inference.estimate import components, sides_of
 from swamp_rl.criticism.inference.sandwich_covariance import covariance_of_data, sandwich_covariance
-from swamp_rl.criticism.inference.trial_evidence import Question, Rated, explanation_of, rate
+from swamp_rl.criticism.inference.trial_evidence import (
+    Question,
+    explanation_of,
+    rate,
+    refitted,
+    refitted_pair,
+)
 from swamp_rl.criticism.inference.unidentifiable import unidentifiable
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.output_error import Fit, inverse
 from swamp_rl.criticism.model.command_family import CommandFamily, command_family
 from swamp_rl.criticism.model.manoeuvres import manoeuvres
-from swamp_rl.criticism.model.trial_limits import TrialLimits, start_in
+from swamp_rl.criticism.model.trial_limits import TrialLimits, shortest_trial, start_in
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.progress import LOG
 from swamp_rl.criticism.result import Narrowed, NextTrial, RatedManoeuvre, Separated
@@ -114,22 +120,23 @@ def design_trial(
     found = _searched(question, family, limits, listed, rng)
     both = np.concatenate([listed, found[None]])
     rated = rate(question, both, limits)
-    best = int(_merit(rated, dt).argmax())
+    evidence, _ = refitted(question, both, rated, len(both))
+    best = int(_merit(evidence, rated.rows, dt).argmax())
     rows = int(rated.rows[best])
-    if rows * dt < _shortest():
+    if rows * dt < shortest_trial():
         raise UserError(
-            f"--next: no commands that were tried keep the boat within the limits for {_shortest():g} s; "
-            "give a larger area or a greater --top-speed, or leave --next out"
+            f"--next: no commands that were tried keep the boat within the limits for "
+            f"{shortest_trial():g} s; give a larger area or a greater --top-speed, or leave --next out"
         )
-    if rated.least[best] < options().least_trial_evidence:
+    if evidence[best] < options().least_trial_evidence:
         raise UserError(f"--next: {_undecided(question, narrows)}; widen them, or leave --next out")
     tracks = rated.tracks[:, best, :rows].copy()
     start = start_in(limits, tracks)
     tracks[..., :2] += start
     if narrows:  # random-effects model: DerSimonian and Laird, Controlled Clinical Trials 7, 1986
-        added = rated.least[best] / (1.0 + narrows.scatter * rated.least[best])
+        added = evidence[best] / (1.0 + narrows.scatter * evidence[best])
         narrows = narrows.model_copy(update={"after": narrows.before / math.sqrt(1.0 + added)})
-    every = zip(fixed, rated.least, rated.rows, strict=False)  # less the last, which was found
+    every = zip(fixed, evidence, rated.rows, strict=False)  # less the last, which was found
     result = NextTrial(
         file=FILE,
         duration_s=rows * dt,
@@ -137,8 +144,8 @@ def design_trial(
         area_m=(limits.north, limits.east),
         start_m=(float(start[0]), float(start[1])),
         top_speed=float(np.hypot(tracks[..., 3], tracks[..., 4]).max()),
-        evidence=float(rated.least[best]),
-        separates=_separated(question, rated, best),
+        evidence=float(evidence[best]),
+        separates=_separated(question, both[best, :rows]),
         narrows=narrows,
         of_list=sorted(
             (
@@ -178,13 +185,15 @@ def _searched(
 ) -> Array:
     """(T, 2K) the best commands of the family that were found."""
     tried = np.concatenate([family.sampled(listed), family.random(rng, options().trial_random)])
-    kept, merit = tried[:0], np.zeros(0)
+    kept, merit, dt = tried[:0], np.zeros(0), question.run_set.dt
     used, quiet, best = 0, 0, 0.0
     while used < options().trial_budget and quiet < options().trial_patience:
-        rated = rate(question, family.rows(tried), limits)
-        used += rated.steps
+        commands = family.rows(tried)
+        rated = rate(question, commands, limits)
+        evidence, steps = refitted(question, commands, rated, options().trial_parents, merit.tolist())
+        used += rated.steps + steps
         kept = np.concatenate([kept, tried])
-        merit = np.concatenate([merit, _merit(rated, question.run_set.dt)])
+        merit = np.concatenate([merit, _merit(evidence, rated.rows, dt)])
         order = np.argsort(-merit, kind="stable")[: options().trial_parents]
         kept, merit = kept[order], merit[order]
         quiet = 0 if merit[0] > (1.0 + options().trial_worth) * best else quiet + 1
@@ -196,22 +205,15 @@ def _searched(
     return family.rows(kept[:1])[0]
 
 
-def _merit(rated: Rated, dt: float) -> Array:
-    """(W,) least evidence, below zero where a trial ends too early."""
-    return np.where(rated.rows * dt >= _shortest(), rated.least, -1.0 / np.maximum(rated.rows, 1))
+def _merit(evidence: Array, rows: NDArray[np.int64], dt: float) -> Array:
+    """(W,) evidence of trials of so many rows, below zero where one ends too early."""
+    return np.where(rows * dt >= shortest_trial(), evidence, -1.0 / np.maximum(rows, 1))
 
 
-def _separated(question: Question, rated: Rated, trial: int) -> list[Separated]:
-    """Each pair of explanations, the least separated first."""
-    names = [one.label for one in question.explanations]
-    evidence = np.minimum(rated.evidence[..., trial], rated.evidence[..., trial].T)
-    pairs = [
-        Separated(effects=[names[a], names[b]], separation=math.sqrt(evidence[a, b]))
-        for a, b in combinations(range(len(names)), 2)
-    ]
-    return sorted(pairs, key=lambda one: one.separation)
-
-
-def _shortest() -> float:
-    """Seconds of a trial that a diagnosis takes as a run."""
-    return options().shortest_run + options().trial_beyond
+def _separated(question: Question, commands: Array) -> list[Separated]:
+    """Each pair of explanations under commands (T, 2K), the least separated first."""
+    names, found = [one.label for one in question.explanations], list[Separated]()
+    for a, b in combinations(range(len(names)), 2):
+        evidence = min(refitted_pair(question, commands, *pair)[0] for pair in ((a, b), (b, a)))
+        found.append(Separated(effects=[names[a], names[b]], separation=math.sqrt(evidence)))
+    return sorted(found, key=lambda one: one.separation)

@@ -1,7 +1,7 @@
 """Expected evidence of a trial that is yet to be sailed: between hypotheses, or about one parameter."""
 
 import math
-from copy import copy
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import permutations
 
@@ -14,10 +14,10 @@ from swamp_rl.criticism.data.windows import Windows
 from swamp_rl.criticism.likelihood.finite_differences import parameter_jacobian, state_jacobian
 from swamp_rl.criticism.likelihood.multiple_shooting import Shooting
 from swamp_rl.criticism.likelihood.normal_equations import normal_equations
-from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse
+from swamp_rl.criticism.likelihood.output_error import Fit, fit, inverse, losses, prior_penalty
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import window_lengths
-from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within
+from swamp_rl.criticism.model.trial_limits import TrialLimits, rows_within, shortest_trial
 from swamp_rl.criticism.options import options
 from swamp_rl.simulator import initial_state, simulate, tank
 from swamp_rl.simulator.state import ACTUATORS
@@ -91,7 +91,7 @@ def rate(question: Question, commands: Array, limits: TrialLimits) -> Rated:
     expected difference of log likelihood (T-optimality: Atkinson and Fedorov, Biometrika 62, 1975). About a
     parameter: what the trial adds to its information, as a multiple of what is known, the other parameters
     and the initial states eliminated (D_s-optimality). Every explanation starts from the motion under the
-    first one at the beginning of each window of about `trial_window`, since over a longer time an unstable
+    first one at the beginning of each middle window, since over a longer time an unstable
     boat magnifies differences beyond what is linear.
     """
     tracks = np.stack([_track(question.run_set, one, commands) for one in question.explanations])
@@ -114,33 +114,8 @@ def rate(question: Question, commands: Array, limits: TrialLimits) -> Rated:
     return Rated(tracks, rows, evidence, steps)
 
 
-def separation(question: Question, commands: Array, linearised: Array, enough: float = 0.0) -> float:
-    """Least distance [standard errors] of any two explanations in one trial from rest, bow to the north,
-    under commands (T, 2K): as `rate`, but with the other's initial states and parameters fitted to the
-    motion, which is not linear in them over a window of an unstable boat, or in a wind. 0 where a simulation
-    diverges.
-
-    linearised: (H, H) evidence of that trial by `rate`, from which on a pair is not fitted if another is
-    nearer; enough: distance at or below which the least of all is not sought.
-    """
-    problem = _problem(question, commands[None])
-    win, least = problem.windows, math.inf
-    pairs = permutations(range(len(question.explanations)), 2)
-    for a, b in sorted(pairs, key=lambda pair: float(linearised[pair])):
-        if linearised[a, b] >= least or least <= enough**2:
-            break
-        truth, other = question.explanations[a], question.explanations[b]
-        states = np.nan_to_num(_track(question.run_set, truth, commands[None])[win.run, win.first])
-        ideal = copy(problem)
-        ideal.windows = replace(win, measured=problem.track(truth.hypothesis, truth.x, states))
-        known = _Known(other.hypothesis.instances, other.x, other.precision)
-        chi2 = fit(ideal, known, other.x, states).chi2
-        least = min(least, max(chi2, 0.0) if math.isfinite(chi2) else 0.0)
-    return math.sqrt(least)
-
-
 @dataclass(frozen=True)
-class _Known(Hypothesis):
+class KnownBefore(Hypothesis):
     """A hypothesis whose parameters have a Gaussian prior of mean (p,) and precision (p, p)."""
 
     mean: Array = field(default_factory=lambda: np.zeros(0), compare=False)
@@ -154,6 +129,85 @@ class _Known(Hypothesis):
     def prior_precision(self) -> Array:
         """(p, p) inverse covariance."""
         return self.precision
+
+
+def refitted(
+    question: Question, commands: Array, rated: Rated, count: int, known: Sequence[float] = ()
+) -> tuple[Array, int]:
+    """(W,) evidence between the two nearest explanations, of trials under commands (W, T, 2K) that `rate` has
+    rated, and the boats' steps: as there, but with the other's initial states and parameters fitted to the
+    motion, which is linear in them neither over a window of an unstable boat nor in a wind or a small gain.
+
+    Trials are refitted in the order of their linearised evidence until `count` of them, with evidence already
+    `known` of others, exceed the next one's; -inf for the rest, which are not among the best. It stays
+    linearised about a parameter, and of trials that are too short for a diagnosis.
+    """
+    if question.column is not None:
+        return rated.least, 0
+    short = rated.rows * question.run_set.dt < shortest_trial()
+    evidence, used = np.where(short, rated.least, -np.inf), 0
+    best = sorted(known, reverse=True)[:count]
+    for trial in np.argsort(-np.where(short, -np.inf, rated.least), kind="stable")[: int((~short).sum())]:
+        enough = best[-1] if len(best) == count else -np.inf
+        if rated.least[trial] <= enough:
+            break
+        rows = commands[trial, : rated.rows[trial]]
+        evidence[trial], steps = _least_refitted(question, rows, rated.evidence[..., trial], enough)
+        used += steps
+        best = sorted([*best, float(evidence[trial])], reverse=True)[:count]
+    return evidence, used
+
+
+def _least_refitted(
+    question: Question, commands: Array, linearised: Array, enough: float
+) -> tuple[float, int]:
+    """Least evidence of any pair under commands (T, 2K), and the boats' steps; at or below `enough` the least
+    of all is not sought, nor a pair whose linearised (H, H) evidence exceeds another's.
+    """
+    least, used = math.inf, 0
+    pairs = permutations(range(len(question.explanations)), 2)
+    for a, b in sorted(pairs, key=lambda pair: float(linearised[pair])):
+        if linearised[a, b] >= least or least <= enough:
+            break
+        own, steps = refitted_pair(question, commands, a, b)
+        least, used = min(least, own), used + steps
+    return least, used
+
+
+def refitted_pair(question: Question, commands: Array, true: int, other: int) -> tuple[float, int]:
+    """Evidence between two explanations in one trial from rest under commands (T, 2K), the other fitted to
+    the motion of the true one, and the boats' steps; 0 where a simulation diverges.
+
+    The fit begins at the best of several points, since from the other's own parameters it may end in a local
+    minimum, which a search for the greatest evidence would find.
+    """
+    truth, fitted = question.explanations[true], question.explanations[other]
+    ideal = _problem(question, commands[None])
+    win = ideal.windows
+    states = np.nan_to_num(_track(question.run_set, truth, commands[None])[win.run, win.first])
+    ideal.windows = replace(win, measured=ideal.track(truth.hypothesis, truth.x, states))
+    known = KnownBefore(fitted.hypothesis.instances, fitted.x, fitted.precision)
+    chi2 = fit(ideal, known, _begun(ideal, known, states), states).chi2
+    return max(chi2, 0.0) if math.isfinite(chi2) else 0.0, ideal.boat_steps[0] + len(commands)
+
+
+def _begun(ideal: Shooting, known: KnownBefore, states: Array) -> Array:
+    """(p,) the best of parameters on a line from the prior's mean through the linearised solution, and of the
+    mean with one of them at a bound, where many an effect becomes another one: the states (V, 6) are held.
+    """
+    base = ideal.track(known, known.mean, states)
+    residual, slopes = ideal.residuals(base), parameter_jacobian(ideal, known, known.mean, states, base)
+    information = np.einsum("vmp,vmq->pq", slopes, slopes) + known.precision
+    step = inverse(information) @ np.einsum("vmp,vm->p", slopes, residual)
+    low, high = known.bounds()
+    line = known.mean + np.array(options().trial_starts)[:, None] * step
+    ends = np.where(np.eye(known.size, dtype=bool), np.stack([low, high])[:, None], known.mean)
+    tried = np.clip(np.concatenate([line, ends.reshape(2 * known.size, known.size)]), low, high)
+    tried = tried[np.isfinite(tried).all(axis=1)]
+    chi2 = [
+        losses(ideal.residuals(ideal.track(known, x, states))).sum() + prior_penalty(known, x) for x in tried
+    ]
+    return np.asarray(tried[int(np.argmin(chi2))])
 
 
 @dataclass(frozen=True)
@@ -180,7 +234,7 @@ def _track(run_set: RunSet, one: Explanation, commands: Array) -> Array:
 
 
 def _problem(question: Question, commands: Array) -> Shooting:
-    """The trials (W, T, 2K) cut in equal windows, W by W, from where a diagnosis begins to compare."""
+    """The trials (W, T, 2K) cut in equal middle windows, W by W, from where a diagnosis begins to compare."""
     trials, steps = commands.shape[:2]
     run_set = question.run_set
     names = tuple(map(str, range(trials)))

@@ -92,3 +92,8 @@ def start_in(limits: TrialLimits, tracks: Array) -> Array:
     places = tracks[..., :2].reshape(-1, 2)
     middle = 0.5 * (places.max(axis=0) + places.min(axis=0))
     return np.asarray(np.array([limits.north, limits.east]) / 2.0 - middle + tracks[0, 0, :2])
+
+
+def shortest_trial() -> float:
+    """Seconds of a trial that a diagnosis takes as a run."""
+    return options().shortest_run + options().trial_beyond
