@@ -15,7 +15,13 @@ from swamp_rl.criticism.inference.force_regression import (
 )
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.model.scales import force_scale
-from swamp_rl.criticism.nuisance.force_functions import ForceLikelihood, Pair, functions
+from swamp_rl.criticism.nuisance.force_functions import (
+    ForceLikelihood,
+    Pair,
+    force_likelihood,
+    functions,
+    pairs,
+)
 from swamp_rl.criticism.nuisance.process_noise import random_forces
 from swamp_rl.criticism.options import options
 from tests.support.unmodelled_forces import DEAD_ZONE, MOORING, SECTOR, sailed
@@ -28,7 +34,7 @@ NOTHING = [(Hypothesis(), np.zeros(0))]
 
 
 @pytest.mark.parametrize(
-    ("outside", "level", "pairs"),
+    ("outside", "level", "expected"),
     [
         (SECTOR, "A", {("surge", "heading")}),
         (SECTOR, "B", {("surge", "heading")}),
@@ -39,11 +45,20 @@ NOTHING = [(Hypothesis(), np.zeros(0))]
     ],
 )
 def test_a_force_outside_the_library_is_attributed_to_its_variable(
-    outside: dict[str, Any], level: str, pairs: set[tuple[str, str]]
+    outside: dict[str, Any], level: str, expected: set[tuple[str, str]]
 ) -> None:
     run_set = sailed(outside, level)
     found = residual_force_functions(run_set, weights(run_set, noise_levels(run_set)), NOTHING)
-    assert pairs & {(one.force, one.variable) for one in found}, found
+    assert expected & {(one.force, one.variable) for one in found}, found
+
+
+def test_a_force_along_an_axis_of_the_earth_is_no_function_of_a_command() -> None:
+    run_set = sailed(MOORING, "A")
+    weight = weights(run_set, noise_levels(run_set))
+    every = pairs(force_likelihood(run_set, weight, *NOTHING[0]))
+    of_commands = {one.force for one in every if one.variable.startswith(("throttle", "azimuth"))}
+    assert {"surge", "sway", "yaw", "thrust of ss"} <= of_commands
+    assert not of_commands & {"north", "east"}
 
 
 def test_the_estimated_function_is_that_of_the_hidden_force() -> None:

@@ -16,6 +16,7 @@ from swamp_rl.criticism.likelihood.force_sensitivity import AXES
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.nuisance.force_functions import (
     EARTH,
+    EARTH_AXES,
     PLACE,
     ForceLikelihood,
     Pair,
@@ -153,7 +154,7 @@ def power_share(
 
 def _labels(pair: Pair) -> list[tuple[str, str]]:
     if pair.force == EARTH:
-        return [(name, f"{PLACE} {name}") for name in ("north", "east")]
+        return [(name, f"{PLACE} {name}") for name in EARTH_AXES]
     return [(pair.force, pair.variable)]
 
 

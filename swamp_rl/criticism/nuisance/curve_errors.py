@@ -18,6 +18,7 @@ from swamp_rl.criticism.likelihood.output_error import inverse
 from swamp_rl.criticism.model.candidates import Hypothesis
 from swamp_rl.criticism.nuisance.force_functions import (
     EARTH,
+    EARTH_AXES,
     PLACE,
     ForceLikelihood,
     force_likelihood,
@@ -28,7 +29,6 @@ from swamp_rl.criticism.options import options
 
 Array = NDArray[np.float64]
 
-OF_THE_EARTH = ("north", "east", EARTH)
 NOT_A_CURVE = ("time", "heading", PLACE)
 
 
@@ -49,7 +49,7 @@ def curves_in_error(found: ForceLikelihood) -> Array:
     made = [
         pair.design * found.scale[AXES - 1 if pair.force == "yaw" else 0]
         for pair in pairs(found)
-        if pair.force not in OF_THE_EARTH and not pair.variable.startswith(NOT_A_CURVE)
+        if pair.force not in (*EARTH_AXES, EARTH) and not pair.variable.startswith(NOT_A_CURVE)
     ]
     return np.concatenate(made, axis=2)
 

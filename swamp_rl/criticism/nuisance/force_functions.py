@@ -29,6 +29,7 @@ from swamp_rl.criticism.options import options
 Array = NDArray[np.float64]
 
 THRUST, EARTH, PLACE = "thrust of ", "north and east", "position"
+EARTH_AXES = "north", "east"
 
 
 @dataclass(frozen=True)
@@ -181,8 +182,9 @@ def functions(name: str, values: Array) -> Array:
 
 
 def pairs(found: ForceLikelihood) -> list[Pair]:
-    """Every force and every variable, a thruster's thrust only with its own and the boat's; and the
-    horizontal force as a function of both position coordinates.
+    """Every force and every variable, a thruster's thrust only with its own and the boat's, and a force along
+    an axis of the earth, which does not turn with the thrusters, with none of them; and the horizontal force
+    as a function of both position coordinates.
     """
     windows, pieces = len(found.gradient), (found.gradient.shape[1] - found.parameters) // AXES
     every = {}
@@ -191,13 +193,13 @@ def pairs(found: ForceLikelihood) -> list[Pair]:
         for force, direction in found.directions.items():
             owner = force.removeprefix(THRUST)
             general = variable.split()[0] not in COMMANDS
-            if owner != force and not general and variable.split(" ", 1)[1] != owner:
+            if not general and (force in EARTH_AXES or owner not in (force, variable.split(" ", 1)[1])):
                 continue
             acting = (direction[..., None] * basis[..., None, :]).reshape(
                 windows, pieces, found.block, AXES, -1
             )
             every[force, variable] = acting.mean(axis=2).reshape(windows, pieces * AXES, -1)
-    parts = [every.get((name, f"{PLACE} {name}")) for name in ("north", "east")]
+    parts = [every.get((name, f"{PLACE} {name}")) for name in EARTH_AXES]
     if all(part is not None for part in parts):
         every[EARTH, PLACE] = np.concatenate([part for part in parts if part is not None], axis=2)
     knots: dict[str, tuple[Array, ...]] = {v: (knots_of(v, values),) for v, values in found.rows.items()}
