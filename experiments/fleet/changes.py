@@ -48,7 +48,7 @@ def _absent_in(cause: str, has: Sequence[str], diagnoses: Mapping[str, Diagnosis
 def _drifts(boat: str, cause: str, diagnoses: Mapping[str, Diagnosis]) -> list[Drift]:
     """A cause's parameters compared between diagnoses by name, with p-values that are not adjusted."""
     causes = {
-        name: next((one for one in (*diagnosis.causes, *diagnosis.minor) if label(one) == cause), None)
+        name: next((one for one in (*diagnosis.standing, *diagnosis.minor) if label(one) == cause), None)
         for name, diagnosis in diagnoses.items()
     }
     parameters = dict.fromkeys(name for one in causes.values() if one for name in one.parameters)

@@ -81,7 +81,8 @@ class Finding(Part):
 
 class SharedCause(Part):
     """A kept cause and the boats that have it. in_boat_file: whether it is rather an error of the boat file
-    than a fault of each: most of three or more boats have it, and all were compared with the same numbers.
+    than a fault of each: most of three or more boats have it, all were compared with the same numbers, and
+    no boat is without it in which it would show.
     """
 
     cause: str

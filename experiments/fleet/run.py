@@ -175,7 +175,7 @@ def fleet_of(members: Sequence[Member], out: Path, wrong: Mapping[str, str]) -> 
         boats=boats_of(every, findings),
         members=every,
         findings=findings,
-        shared=of_boat_file(shared_causes(findings), every),
+        shared=of_boat_file(shared_causes(findings), every, found),
         weather=weather_of(findings),
         drifts=drifts,
         changes=changes,

@@ -42,7 +42,7 @@ def findings_of(members: Sequence[Member], found: Mapping[str, Diagnosis]) -> tu
         if member.name not in found:
             continue
         diagnosis = found[member.name]
-        own = [(label(one), p_value(one.held_out)) for one in diagnosis.causes if one.held_out]
+        own = [(label(one), p_value(one.held_out)) for one in diagnosis.standing if one.held_out]
         if diagnosis.extension and (curve := curve_label(diagnosis)):
             own.append((curve, p_value(diagnosis.extension.held_out)))
         tests += [(member, *one) for one in own or [("", 1.0)]]

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from swamp_rl.experiments.fleet.labels import curve_label, is_weather, label
+from swamp_rl.experiments.fleet.labels import curve_label, is_weather, label, named_in
 from swamp_rl.experiments.fleet.result import (
     BoatCauses,
     Finding,
@@ -34,7 +34,7 @@ def summarised(members: Sequence[Member], found: Mapping[str, Diagnosis]) -> lis
 
 
 def _taken(diagnosis: Diagnosis, error: PositionError | None) -> dict[str, object]:
-    causes = [_cause(one) for one in diagnosis.causes]
+    causes = [_cause(one) for one in diagnosis.standing]
     if curve := curve_label(diagnosis):
         causes.append(MemberCause(cause=curve))
     return {
@@ -90,16 +90,33 @@ def boats_of(members: Sequence[Member], findings: Sequence[Finding]) -> list[Boa
     return sorted(boats, key=lambda one: (not one.causes, not one.lesser, one.boat))
 
 
-def of_boat_file(shared: Sequence[SharedCause], members: Sequence[Member]) -> list[SharedCause]:
-    """The shared causes, those marked that are rather errors of the one boat file of all."""
+def of_boat_file(
+    shared: Sequence[SharedCause], members: Sequence[Member], found: Mapping[str, Diagnosis]
+) -> list[SharedCause]:
+    """The shared causes, those marked that are rather errors of the one boat file of all: no boat is healthy
+    in which such an error would show too.
+    """
     diagnosed = [one for one in members if one.verdict]
     boats = len({one.boat for one in diagnosed})
-    most = [boats >= FEWEST and len(one.boats) > boats / 2 for one in shared]
+    most = [
+        boats >= FEWEST
+        and len(one.boats) > boats / 2
+        and not any(
+            _denies(one.cause, found[other.name]) for other in diagnosed if other.boat not in one.boats
+        )
+        for one in shared
+    ]
     one_file = any(most) and _same_boat_file(diagnosed)
     return [
         one.model_copy(update={"in_boat_file": many and one_file})
         for one, many in zip(shared, most, strict=True)
     ]
+
+
+def _denies(cause: str, diagnosis: Diagnosis) -> bool:
+    """Whether a diagnosis explains its runs without a cause that these would show."""
+    possible = named_in(diagnosis).union(diagnosis.unseen, diagnosis.hidden)
+    return diagnosis.verdict != "unexplained" and cause not in possible
 
 
 def _same_boat_file(members: Sequence[Member]) -> bool:

@@ -367,6 +367,14 @@ class Diagnosis(Part):
     adequacy: dict[str, Any]
     elapsed_s: float
 
+    @property
+    def standing(self) -> list[Cause]:
+        """The causes, but those that a missing force in the extended boat was fitted in place of."""
+        if self.extension is None or not self.extension.written:
+            return self.causes
+        beside = {one.label for one in self.extension.beside}
+        return [one for one in self.causes if one.label in beside]
+
 
 if __name__ == "__main__":
     if len(sys.argv) != 2 or sys.argv[1].startswith("-"):

@@ -47,8 +47,7 @@ def extension_sentence(found: Diagnosis, boat: Boat) -> str:
             f"The missing force is {names}, but its reduction of the prediction error on held-out runs is "
             "not significant: it is not written to extended_boat.yaml."
         )
-    beside = {cause.label for cause in extension.beside}
-    instead = [one.label for one in found.causes if one.carries_over and one.label not in beside]
+    instead = [one.label for one in found.causes if one.carries_over and one not in found.standing]
     of = readable(" + ".join(instead)) if instead else ""
     apart = f" It was fitted in place of {of}, which that file lacks." if instead else ""
     by = ", ".join(dict.fromkeys(curve.formula or "linear between points" for curve in extension.curves))

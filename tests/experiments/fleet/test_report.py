@@ -15,7 +15,16 @@ from swamp_rl.experiments.fleet.words import outcome_lines
 from swamp_rl.experiments.fleet.work import RESULT
 
 from swamp_rl.boat import load_boat
-from swamp_rl.criticism.result import Cause, Diagnosis, Gain, Paired, Predictors
+from swamp_rl.criticism.result import (
+    Cause,
+    Diagnosis,
+    Extension,
+    ForceCurve,
+    Gain,
+    HeldOut,
+    Paired,
+    Predictors,
+)
 from swamp_rl.runs import create_dataset
 from swamp_rl.runs.schema import meta_of
 from tests.support.fleets import cause, diagnosis
@@ -127,18 +136,53 @@ def test_a_boats_cause_says_in_how_many_explanations_it_is_where_no_day_tells_th
     assert "red: thruster gain (port) [in 2 of 3 explanations]" in found
 
 
-def sisters(sick: int, of: int) -> dict[str, Diagnosis]:
-    return {f"boat{k} may": diagnosis(gain()) if k < sick else diagnosis() for k in range(of)}
+def sisters(sick: int, of: int, **healthy: Any) -> dict[str, Diagnosis]:
+    """Boats, the first ones with a weak thruster, the others as given."""
+    return {f"boat{k} may": diagnosis(gain()) if k < sick else diagnosis(**healthy) for k in range(of)}
 
 
-@pytest.mark.parametrize(("sick", "of", "rather"), [(3, 4, True), (2, 6, False), (2, 2, False)])
-def test_a_cause_of_most_boats_is_rather_an_error_of_their_common_boat_file(
-    tmp_path: Path, sick: int, of: int, rather: bool
+BLIND: dict[str, Any] = {"unseen": ["thruster_gain port"]}
+PUZZLED: dict[str, Any] = {"verdict": "unexplained"}
+
+
+@pytest.mark.parametrize(
+    ("sick", "of", "others", "rather"),
+    [
+        (3, 3, {}, True),
+        (3, 4, BLIND, True),
+        (3, 4, {"hidden": ["thruster_gain port"]}, True),
+        (3, 4, PUZZLED, True),
+        (3, 4, {"minor": [gain()]}, True),
+        (3, 4, {}, False),
+        (4, 6, {}, False),
+        (2, 6, BLIND, False),
+        (2, 2, {}, False),
+    ],
+)
+def test_a_cause_of_most_boats_that_no_other_is_free_of_is_rather_an_error_of_their_common_boat_file(
+    tmp_path: Path, sick: int, of: int, others: dict[str, Any], rather: bool
 ) -> None:
-    whole = fleet(tmp_path, sisters(sick, of))
+    whole = fleet(tmp_path, sisters(sick, of, **others))
     assert [one.in_boat_file for one in whole.shared] == [rather]
     assert ("an error of the common boat file" in text(whole)) == rather
     assert any("likely an error of their common boat file" in one for one in outcome_lines(whole)) == rather
+
+
+def test_causes_that_a_written_force_was_fitted_in_place_of_are_no_findings(
+    tmp_path: Path,
+) -> None:
+    mass = cause("mass", "mass", 60.0, 1.0, 200.0, "kg")
+    curve = ForceCurve(
+        component="surge", covariate="heading", knots=[0.0], values=[1.0], standard_errors=[0.1], units=["N"]
+    )
+    confirmed = HeldOut(gain=90.0, low=1.0, level=0.999)
+    force = Extension(curves=[curve], beside=[gain()], held_out=confirmed, written=True)
+    partial = diagnosis(gain(), mass, verdict="unexplained", extension=force)
+    unwritten = partial.model_copy(update={"extension": force.model_copy(update={"written": False})})
+    whole = fleet(tmp_path, {"red may": partial, "blue may": unwritten})
+    causes = {one.boat: one.causes for one in whole.boats}
+    assert causes["red"] == ["force_curve surge of heading", "thruster_gain port"]
+    assert causes["blue"] == ["mass", "thruster_gain port"]
 
 
 @pytest.mark.parametrize(("other", "rather"), [("swamp", True), ("swamp-light", False)])
