@@ -275,14 +275,16 @@ def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tu
 
 def _of_days(found: Sequence[Foreign]) -> list[Foreign]:
     """The runs; those of several datasets, which are diagnosed as days, with the name of their dataset as
-    their group, where they have none and no other dataset is called so."""
-    homes = dict.fromkeys(one.home.resolve() for one in found if one.dataset is not None and one.home)
-    called = Counter(home.name for home in homes)
+    their group where they have none, and before a group that several have; not where two are called so."""
+    homes = {one.file: one.home.resolve() for one in found if one.dataset is not None and one.home}
+    called = Counter(home.name for home in set(homes.values()))
+    having = Counter(group for group, _ in {(one.meta.group, homes.get(one.file)) for one in found})
 
     def of_day(one: Foreign) -> Foreign:
-        name = one.home.resolve().name if one.home else ""
-        if len(homes) < 2 or one.dataset is None or one.meta.group is not None or called[name] > 1:
+        home, group = homes.get(one.file), one.meta.group
+        if home is None or called.total() < 2 or called[home.name] > 1 or (group and having[group] == 1):
             return one
+        name = home.name if group is None else f"{home.name} {group}"
         return replace(one, meta=one.meta.model_copy(update={"group": name}))
 
     return [of_day(one) for one in found]

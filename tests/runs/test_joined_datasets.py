@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from swamp_rl.errors import UserError
-from swamp_rl.runs import Run, append_run, create_dataset, read_dataset
+from swamp_rl.runs import Run, RunMeta, append_run, create_dataset, read_dataset
 from swamp_rl.runs.dataset import files_of
 from swamp_rl.runs.import_dataset import import_runs
 from swamp_rl.runs.kind_of_file import kind_of
@@ -35,6 +35,18 @@ def test_days_of_csv_and_parquet_are_joined_with_the_notes_of_both(tmp_path: Pat
     more = read_dataset(tmp_path / "more")
     assert len(more.runs) == 3 and more.meta.notes == "In rain. In fog."
     assert [run.meta.group for run in more.runs] == ["monday", "tuesday", "wednesday"]
+
+
+def test_a_group_of_two_datasets_is_one_of_each_of_them(tmp_path: Path) -> None:
+    days = [tmp_path / "monday", tmp_path / "tuesday"]
+    for folder in days:
+        create_dataset(folder, described())
+        append_run(folder, Run("run-0001", circling(), RunMeta(group="morning")))
+    append_run(days[1], Run("run-0002", circling(), RunMeta(group="noon")))
+    append_run(days[1], Run("run-0003", circling()))
+    joined(days, tmp_path / "out")
+    groups = [run.meta.group for run in read_dataset(tmp_path / "out").runs]
+    assert groups == ["monday morning", "tuesday morning", "noon", "tuesday"]
 
 
 def test_what_keeps_two_datasets_apart_is_named(tmp_path: Path) -> None:
