@@ -34,6 +34,15 @@ def plain_name(name: str, suffixes: Collection[str] = ("",)) -> str:
     return name
 
 
+def free_name(name: str, taken: Collection[str]) -> str:
+    """The name, or with a number before its suffix where it is taken: `boat-2.yaml`."""
+    path, number, free = Path(name), 1, name
+    while free in taken:
+        number += 1
+        free = path.with_name(f"{path.stem}-{number}{path.suffix}").as_posix()
+    return free
+
+
 def refuse_odd_label(
     where: Path | str, name: str, of: str = "pilot or a level", advice: str = "run the experiment again"
 ) -> None:

@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -55,14 +56,14 @@ def digests_of_inputs(scene: Scene) -> dict[str, str]:
 
 
 def _copies(scene: Scene) -> dict[str, bytes]:
-    """The files that an experiment names, by the path that each is kept at. One that extends a path
-    extends the copy of that file.
+    """The files that an experiment names, by the path that each is kept at. One that extends another extends
+    the copy of that.
     """
-    texts = {}
-    for name, file in config_files(scene).items():
-        texts[name], data = file.read_bytes(), read_yaml(file)
-        base = data.get("extends")
-        if isinstance(base, str) and (beside := Path(base).name) != base:
+    files = config_files(scene)
+    texts = {name: file.read_bytes() for name, file in files.items()}
+    for name, base in pairwise(files):
+        data, beside = read_yaml(files[name]), Path(base).name
+        if data.get("extends", beside) not in (beside, Path(beside).stem):
             texts[name] = extending(texts[name], data, beside)
     return texts
 

@@ -1,6 +1,6 @@
 """Everything an experiment names, read and found to be sound."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,9 +14,11 @@ from swamp_rl.experiments.config.named_files import levels_of
 from swamp_rl.experiments.config.schema import Experiment, senses_in
 
 from swamp_rl.boat import Boat, load_boat
+from swamp_rl.boat.load import boat_chain
 from swamp_rl.course import Course, course_files, fitted, limited, load_course
 from swamp_rl.errors import UserError
-from swamp_rl.files import find_config, read_yaml
+from swamp_rl.files import find_config
+from swamp_rl.names import free_name
 from swamp_rl.pilots.made_for import check_made_for
 from swamp_rl.pilots.own import is_named, own_class
 from swamp_rl.simulator.reference import reference_of
@@ -95,26 +97,17 @@ def read_scene(experiment: Experiment, given: Path | str = "experiment") -> Scen
 
 def config_files(scene: Scene) -> dict[str, Path]:
     """The boat, course and level files that an experiment names, by the path that a copy of each is kept at.
+    Each stands before the one that it extends, which has a number where its name is taken.
 
-    UserError where two of a kind have the same name.
+    UserError where two levels have the same name.
     """
-    named = [("boats", file) for file in _boat_files(scene.experiment.boat)]
-    named += [("courses", file) for file in course_files(scene.experiment.course)]
-    named += [("disturbances", find_config("disturbances", level)) for level in levels_of(scene.experiment)]
     files: dict[str, Path] = {}
-    for kind, file in named:
-        if not files.setdefault(f"{kind}/{file.name}", file).samefile(file):
-            raise UserError(f"{file}: another of the {kind} has the same name; rename one of the two")
+    boats = [file for file, _ in reversed(boat_chain(scene.experiment.boat))]
+    for kind, chain in (("boats", boats), ("courses", course_files(scene.experiment.course))):
+        for file in chain:
+            files[free_name(f"{kind}/{file.name}", files)] = file
+    for level in levels_of(scene.experiment):
+        file = find_config("disturbances", level)
+        if not files.setdefault(f"disturbances/{file.name}", file).samefile(file):
+            raise UserError(f"{file}: another of the disturbances has the same name; rename one of the two")
     return files
-
-
-def _boat_files(name: str) -> Iterator[Path]:
-    """The boat's file and those that it extends."""
-    file = find_config("boats", name)
-    while True:
-        yield file
-        base = read_yaml(file).get("extends")
-        if base is None:
-            return
-        beside = file.parent / base
-        file = beside if beside.is_file() else find_config("boats", base)

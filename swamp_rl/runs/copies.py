@@ -12,7 +12,7 @@ from swamp_rl.boat.load import boat_chain
 from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
 from swamp_rl.files import find_config, os_error, read_yaml, yaml_text
-from swamp_rl.names import YAML, file_in, is_yaml, plain_name
+from swamp_rl.names import YAML, file_in, free_name, is_yaml, plain_name
 from swamp_rl.ordinary import contents
 from swamp_rl.runs.schema import COURSE, META, DatasetMeta
 from swamp_rl.yaml_text import MOST_BYTES
@@ -57,9 +57,7 @@ def _copy_boat(boat: str | Path, files: Files) -> str:
     """Add the boat's file and those that it extends; the name of its own without the suffix."""
     below = ""
     for path, data in boat_chain(boat):
-        stem, number = _stem(path.stem), 1
-        while (name := f"{stem}{f'-{number}' if number > 1 else ''}.yaml") in {META, *files}:
-            number += 1
+        name = free_name(f"{_stem(path.stem)}.yaml", {META, *files})
         files[name] = extending(_bytes_of(path), data, below) if below else _bytes_of(path)
         below = name
     return below.removesuffix(".yaml")

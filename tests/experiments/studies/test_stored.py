@@ -14,6 +14,8 @@ from swamp_rl.experiments.config.load import load_experiment
 from swamp_rl.experiments.studies.run import run_experiment, train_experiment
 from swamp_rl.experiments.studies.stored import evaluate_folders
 
+from swamp_rl.boat import load_boat
+from swamp_rl.course import load_course
 from swamp_rl.errors import UserError
 from swamp_rl.export import write_onnx
 from swamp_rl.pilots.store import describe_pilot, load_pilot
@@ -311,3 +313,26 @@ def test_a_boat_and_a_course_that_extend_files_of_other_folders_are_evaluated_wi
     found = evaluate_folders(Path("out"), {"episodes": 1, "levels": ["calm"]})
     kept = (found / "config" / "boats" / "extended.yaml").read_text()
     assert kept == "extends: 'mine #2.yaml'\nname: extended\n"
+
+
+def test_a_boat_and_a_course_that_extend_files_of_their_own_names_are_evaluated_without_these(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    files = {
+        "first/extended_boat.yaml": "extends: swamp\nname: first\nmass: 51.0\n",
+        "first/camogli.yaml": "extends: camogli\n",
+        "second/extended_boat.yaml": "extends: ../first/extended_boat.yaml\nname: second\n",
+        "second/camogli.yaml": "extends: ../first/camogli.yaml\n",
+    }
+    for name, text in files.items():
+        Path(name).parent.mkdir(exist_ok=True)
+        Path(name).write_text(text)
+    named = ["boat=second/extended_boat.yaml", "course=second/camogli.yaml"]
+    train_experiment("smoke", named, Path("out"), ["line-of-sight"])
+    shutil.rmtree("first")
+    shutil.rmtree("second")
+    kept = evaluate_folders(Path("out"), {"episodes": 1, "levels": ["calm"]}) / "config"
+    boat = load_boat(kept / "boats" / "extended_boat.yaml")
+    assert (boat.name, boat.mass) == ("second", 51.0)
+    assert load_course(kept / "courses" / "camogli.yaml") == load_course("camogli")
