@@ -33,6 +33,7 @@ TYPES = (
     "swamp_rl.boat_fit.result.Identification",
     "swamp_rl.effects.curve.Curve",
     "swamp_rl.criticism.result.Diagnosis",
+    "swamp_rl.criticism.result.Cause",
     "swamp_rl.runs.dataset.Inspection",
     "swamp_rl.pilots.description.FittedOn",
     "swamp_rl.pilots.description.Made",
@@ -47,13 +48,15 @@ TYPES = (
 )
 """Classes that these functions and modules take or return and do not name themselves."""
 
+HIDDEN = ":exclude-members: model_config"
+
 
 def public_names() -> str:
     """Each function of `swamp_rl` itself, then the classes of TYPES."""
     functions = [name for name, place in swamp_rl.PUBLIC.items() if ":" in place]
     parts = ["## Functions\n", *(_rst(f".. autofunction:: swamp_rl.{name}") for name in functions)]
     parts += ["## What they take and return\n"]
-    parts += [_rst(f".. autoclass:: {name}\n   :members:") for name in TYPES]
+    parts += [_rst(f".. autoclass:: {name}\n   :members:\n   {HIDDEN}") for name in TYPES]
     return "\n".join(parts)
 
 
@@ -64,7 +67,7 @@ def modules() -> str:
         inside = importlib.import_module(name)
         members = [":members:", *([":imported-members:"] if hasattr(inside, "__all__") else [])]
         keys = [key for one in vars(inside).values() if _is_part(one) for key in one.model_fields]
-        members += [f":exclude-members: {', '.join(keys)}"] if keys else []
+        members += [", ".join([HIDDEN, *keys])]
         parts += [f"## {name}\n", _rst("\n   ".join([f".. automodule:: {name}", *members]))]
     return "\n".join(parts)
 
