@@ -22,9 +22,9 @@ def curve_label(diagnosis: Diagnosis) -> str | None:
 
 
 def is_weather(label: str) -> bool:
-    """Whether an effect is none of the boat's: a diagnosis writes it to the conditions of a run."""
+    """Whether an effect is none of the boat's."""
     effect = LIBRARY.get(label.split(maxsplit=1)[0])
-    return effect is not None and effect.scope != "boat"
+    return effect is not None and effect.weather
 
 
 def indistinguishable_from(cause: str, diagnosis: Diagnosis) -> set[str]:

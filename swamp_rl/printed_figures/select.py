@@ -73,7 +73,7 @@ def instances_of(boat: Boat) -> list[EffectInstance]:
         for instance in every
         if instance.effect.acts_on in ("force", "actuator")
         and instance.specs
-        and instance.effect.scope == "boat"
+        and not instance.effect.weather
         and instance.effect.steady
         and instance.effect.name not in STATED
     ]

@@ -378,12 +378,10 @@ def test_it_is_reported_which_file_has_which_cause() -> None:
     wind = Cause(effect="wind", parameters={})
     assert files_sentence(diagnosis("cause", causes=[LAG])).endswith("the boat file with azimuth_lag.")
     both = files_sentence(diagnosis("cause", causes=[LAG, wind]))
-    assert both.endswith(
-        "with azimuth_lag. What may differ between runs is not the boat's: conditions.yaml has wind."
-    )
+    assert both.endswith("with azimuth_lag. What may differ between runs is in conditions.yaml: wind.")
     of_runs = wind.model_copy(update={"groups": {"a": {}}, "scope": "run"})
     each = files_sentence(diagnosis("cause", causes=[of_runs]))
-    assert "with no effect added" in each and "conditions/RUN.yaml of each run has wind" in each
+    assert "with no effect added" in each and "conditions/RUN.yaml of each run: wind" in each
     spoilt = LAG.model_copy(update={"carries_over": False})
     assert "no effect added" in files_sentence(diagnosis("cause", causes=[spoilt]))
     force = Extension(curves=[], held_out=HeldOut(gain=9.0, low=1.0, level=0.95), written=True)

@@ -40,10 +40,12 @@ def shooting(runs: RunSet = RUNS) -> Shooting:
     return Shooting(runs, weights(runs, noise_levels(runs)), 10.0)
 
 
-def test_only_effects_of_the_weather_may_differ_between_runs() -> None:
-    differing = {one.effect.name for one in EVERY.values() if one.groups}
-    assert {"wind", "current", "external_force", "shallow_water"} <= differing
-    assert all(one.effect.scope != "boat" for one in EVERY.values() if one.groups)
+def test_the_weather_and_a_battery_may_differ_between_runs_and_what_is_loaded_between_days() -> None:
+    every = candidates(RUNS.boat, SECONDS, replace(RUNS, days=("monday", "tuesday", "monday")).groups)
+    by_run, by_day = ({one.effect.name for one in every if one.by == by} for by in ("run", "day"))
+    weather = {"wind", "current", "external_force", "shallow_water"}
+    assert by_run == weather | {"thrust_sag"}
+    assert by_day == by_run | {"mass", "thrust_scale", "heading_bias"}
 
 
 def test_each_run_has_the_record_of_its_own_wind() -> None:
@@ -105,6 +107,14 @@ def test_the_conditions_of_each_run_are_a_file_of_their_own(tmp_path: Path) -> N
     ] == ["mass"]
     (wind,) = yaml.safe_load((tmp_path / "conditions" / "b.yaml").read_text())["effects"]
     assert wind["speed"] == pytest.approx(np.hypot(-2.0, 0.5))
+
+
+def test_the_boats_own_effects_are_in_its_file_where_all_runs_share_them(tmp_path: Path) -> None:
+    write_extended(tmp_path, "swamp", hypothesis("thrust_sag", "wind"), np.array([0.001, 3.0, 1.0]))
+    boat = yaml.safe_load((tmp_path / "extended_boat.yaml").read_text())
+    conditions = yaml.safe_load((tmp_path / "conditions.yaml").read_text())
+    assert [one["effect"] for one in boat["effects"]] == ["thrust_sag"]
+    assert [one["effect"] for one in conditions["effects"]] == ["wind"]
 
 
 def test_a_cause_of_each_run_has_their_mean_and_the_spread_between_them() -> None:

@@ -53,9 +53,9 @@ class Witness:
 
     def judges(self, instance: EffectInstance) -> bool:
         """Whether predictions here depend on an instance: not on what other runs had of their own."""
-        if instance.effect.scope == "boat":
-            return True
-        return self.wind == "fitted" and not (self.others and (instance.groups or self.apart))
+        if self.others and instance.groups:
+            return False
+        return not instance.effect.weather or (self.wind == "fitted" and not (self.others and self.apart))
 
     def numbers(self, problem: Shooting, of: Fit) -> tuple[Hypothesis, Array]:
         """What predictions under a fit depend on here, and its parameters (R, p)."""

@@ -72,6 +72,11 @@ class EffectInstance:
         return " ".join((self.effect.name, *self.selectors, *more))
 
     @property
+    def of_boat(self) -> bool:
+        """Whether the boat has it alike in every run."""
+        return not (self.effect.weather or self.groups)
+
+    @property
     def size(self) -> int:
         """Number of parameters."""
         return len(self.specs)

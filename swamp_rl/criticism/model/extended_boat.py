@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from swamp_rl.criticism.model.candidates import Hypothesis
-from swamp_rl.effects import LIBRARY
+from swamp_rl.criticism.model.candidates import Hypothesis, joined
 from swamp_rl.effects.entries import entry_mapping
 from swamp_rl.files import write_yaml
 from swamp_rl.names import file_in
@@ -31,22 +30,23 @@ def write_extended(
     names: Sequence[str] = (),
     curves: Sequence[dict[str, Any]] = (),
 ) -> None:
-    """Write BOAT and, where some effects of the hypothesis may differ between days or runs, levels of
+    """Write BOAT and, where the hypothesis has weather or effects that differ between days or runs, levels of
     disturbances with those into `folder`: CONDITIONS.yaml, or CONDITIONS/RUN.yaml of each of the runs `names`
-    where they do differ.
+    where some differ.
 
     BOAT extends `boat`, given by name or by path, with the other effects and the `curves` of a missing
     force. x: (p,).
     """
-    shared = hypothesis.shared(x)
-    own = [one for one in effect_mappings(*shared) if LIBRARY[one["effect"]].scope == "boat"]
-    if hypothesis.differs:
+    parts = list(hypothesis.parts(x))
+    own = effect_mappings(*joined(part for part in parts if part[0].of_boat))
+    conditions, numbers = joined(part for part in parts if not part[0].of_boat)
+    if conditions.differs:
         (folder / CONDITIONS).mkdir()
         for run, name in enumerate(names):
             path = file_in(folder / CONDITIONS, f"{name}.yaml", (".yaml",))
-            _write_conditions(path, *hypothesis.of_run(x, run)[:2])
+            _write_conditions(path, effect_mappings(*conditions.of_run(numbers, run)[:2]))
     else:
-        _write_conditions(folder / f"{CONDITIONS}.yaml", *shared)
+        _write_conditions(folder / f"{CONDITIONS}.yaml", effect_mappings(conditions, numbers))
     given = Path(boat)
     is_name = given.suffix == "" and len(given.parts) == 1
     extends = str(boat) if is_name else os.path.relpath(given, folder)
@@ -55,8 +55,7 @@ def write_extended(
     )
 
 
-def _write_conditions(path: Path, hypothesis: Hypothesis, x: NDArray[np.float64]) -> None:
-    """The effects that may differ between days or runs as a level of disturbances, if there are any."""
-    effects = [one for one in effect_mappings(hypothesis, x) if LIBRARY[one["effect"]].scope != "boat"]
+def _write_conditions(path: Path, effects: list[dict[str, Any]]) -> None:
+    """A level of disturbances, if there are any."""
     if effects:
-        write_yaml(path, {"description": "environment of a run by a diagnosis", "effects": effects})
+        write_yaml(path, {"description": "conditions of a run by a diagnosis", "effects": effects})

@@ -5,9 +5,8 @@ import html
 from swamp_rl.criticism.likelihood.prediction_error import TRIVIAL, NoBetter, no_better
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.report.figures import SHOWN
-from swamp_rl.criticism.report.words import readable, shown_unit
+from swamp_rl.criticism.report.words import of_boat, readable, shown_unit
 from swamp_rl.criticism.result import Cause, Diagnosis, Share
-from swamp_rl.effects import LIBRARY
 from swamp_rl.html_page import minus
 
 PLAIN = ("nothing", "unexplained")  # answers of a self-trial that are no effects
@@ -114,9 +113,9 @@ def share_text(cause: Cause, found: Diagnosis) -> str:
     """
     positions = [one for one in cause.share if one.quantity == "position_rmse_m" and one.wind == "fitted"]
     if not positions:
-        weather = LIBRARY[cause.effect].scope != "boat" and found.gain_on == "other_runs"
+        apart = not of_boat(cause) and found.gain_on == "other_runs"
         judged = any(one.position_rmse_m for one in found.gain if one.horizon_s in options().judged_horizons)
-        return "not applied to the held-out runs, which may be of another day" if weather and judged else ""
+        return "not applied to the held-out runs, which may be of another day" if apart and judged else ""
     one = positions[-1]
     errors = f"{one.without:.3g} m without it, {one.with_cause:.3g} m with it"
     if one.with_cause < one.without:

@@ -354,17 +354,22 @@ def own_value(effect: str, parameter: str, boat: Boat) -> str:
     return neutral_value(effect, parameter, boat) if replaces else ""
 
 
+def of_boat(cause: Cause) -> bool:
+    """Whether the boat has it alike in every run."""
+    return not (cause.groups or LIBRARY[cause.effect].weather)
+
+
 def files_sentence(found: Diagnosis) -> str:
     """Which file each cause was written to, by the names that effects have there."""
     written = [cause for cause in (*found.causes, *found.minor, *found.nuisance) if cause.carries_over]
     force: list[str] = []
     if found.extension and found.extension.written:
         written, force = found.extension.beside, ["force_curve"]
-    weather = [cause for cause in written if LIBRARY[cause.effect].scope != "boat"]
-    own = [cause.effect for cause in written if cause not in weather]
-    called = [", ".join(dict.fromkeys(part)) for part in ([*own, *force], (one.effect for one in weather))]
+    apart = [cause for cause in written if not of_boat(cause)]
+    own = [cause.effect for cause in written if of_boat(cause)]
+    called = [", ".join(dict.fromkeys(part)) for part in ([*own, *force], (one.effect for one in apart))]
     sentence = f"extended_boat.yaml is the boat file with {called[0] or 'no effect added'}."
-    if weather:
-        file = "conditions/RUN.yaml of each run" if any(c.groups for c in weather) else "conditions.yaml"
-        sentence += f" What may differ between runs is not the boat's: {file} has {called[1]}."
+    if apart:
+        file = "conditions/RUN.yaml of each run" if any(c.groups for c in apart) else "conditions.yaml"
+        sentence += f" What may differ between runs is in {file}: {called[1]}."
     return sentence

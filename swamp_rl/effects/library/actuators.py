@@ -211,6 +211,7 @@ declare(
     combine="multiply",
     description="all thrusters push with that multiple of their thrust",
     source="thesis 7.3.5: an uncertain thrust deduction",
+    scope="day",
 )
 
 declare(

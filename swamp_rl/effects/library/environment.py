@@ -20,6 +20,7 @@ declare(
     combine="add",
     description="the water moves, uniformly and steadily, towards north and east",
     source="thesis 7.3.3 and 8.1.3",
+    weather=True,
     scope="run",
     sudden=True,
 )
@@ -46,6 +47,7 @@ declare(
     combine="add",
     description="a current that changes linearly in time, from what it is at time 0",
     source="ours: a tide or a river that rises",
+    weather=True,
     scope="run",
 )
 
@@ -76,6 +78,7 @@ declare(
     combine="replace",
     description="mean wind at the boat and the direction it comes from, clockwise from north",
     source="thesis 8.17 to 8.19",
+    weather=True,
     scope="run",
     begin="grid",
     vector=("speed", "from"),
@@ -123,6 +126,7 @@ declare(
     combine="replace",
     description="Ornstein-Uhlenbeck gusts about the mean wind, on its speed and on its direction",
     source="thesis 7.3.3 names gusts; the process and its numbers are ours",
+    weather=True,
     begin=None,
 )
 
@@ -163,6 +167,7 @@ declare(
     combine="replace",
     description="a push at midship that swings as a sine, away from where the waves come from when positive",
     source="ours: the first harmonic of a regular swell",
+    weather=True,
     scope="run",
     begin="spectral",
     vector=("force", "from"),
@@ -185,6 +190,7 @@ declare(
     combine="replace",
     description="resistance in water of that depth, from the towing tank",
     source="thesis table 4.7",
+    weather=True,
     scope="run",
 )
 
@@ -196,6 +202,7 @@ declare(
     combine="add",
     description="a steady push at midship in a direction fixed to the earth",
     source="ours: a towed line, a snag",
+    weather=True,
     scope="run",
     sudden=True,
 )

@@ -13,6 +13,7 @@ declare(
     combine="replace",
     description="the boat's mass with its payload",
     source="thesis 4.2.1 and 8.1.3",
+    scope="day",
 )
 
 declare(

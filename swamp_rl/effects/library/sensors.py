@@ -22,6 +22,7 @@ declare(
     combine="add",
     description="the compass reads that much too far clockwise",
     source="ours: mounting, magnetic deviation",
+    scope="day",
     sudden=True,
 )
 
