@@ -1,6 +1,7 @@
 """Names of files that come from a file of someone else: each confined to the folder that it was read in."""
 
-from collections.abc import Collection
+from collections import defaultdict
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from swamp_rl.clipped import clipped
@@ -41,6 +42,28 @@ def free_name(name: str, taken: Collection[str]) -> str:
         number += 1
         free = path.with_name(f"{path.stem}-{number}{path.suffix}").as_posix()
     return free
+
+
+def told_apart(folders: Collection[Path]) -> dict[Path, tuple[str, ...]]:
+    """The last parts of each folder's path, one or as many as tell it from the others, whatever the case.
+
+    Paths that only the case tells apart have one part.
+    """
+    depth = dict.fromkeys(folders, 1)
+    while True:
+        labels = {folder: folder.parts[1:][-count:] for folder, count in depth.items()}
+        share = defaultdict[tuple[str, ...], set[tuple[str, ...]]](set)
+        for folder, label in labels.items():
+            share[_lower(label)].add(_lower(folder.parts[1:]))
+        alike = [folder for folder, label in labels.items() if len(share[_lower(label)]) > 1]
+        if not alike:
+            return labels
+        for folder in alike:
+            depth[folder] += 1
+
+
+def _lower(label: Sequence[str]) -> tuple[str, ...]:
+    return tuple(part.lower() for part in label)
 
 
 def refuse_odd_label(

@@ -2,14 +2,14 @@
 
 import os
 from collections import defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from swamp_rl.experiments.fleet.result import Member
 
 from swamp_rl.clipped import clipped
 from swamp_rl.errors import UserError
-from swamp_rl.names import plain_name
+from swamp_rl.names import plain_name, told_apart
 from swamp_rl.runs.dataset import read_meta
 
 
@@ -22,7 +22,7 @@ def members_of(datasets: Sequence[Path], boat: str | None = None) -> list[Member
     _refuse_twice(whole)
     folders = {path.parent for path in whole}
     several = len(folders) > 1
-    labels = _told_apart(folders)
+    labels = told_apart(folders)
     found = []
     for path, one in zip(whole, datasets, strict=True):
         own = labels[path.parent] if several else (path.name,)
@@ -50,28 +50,6 @@ def _refuse_twice(paths: Sequence[Path]) -> None:
             names = list(dict.fromkeys(given))
             fault = "are the same folder" if len(names) > 1 else f"is given {len(given)} times"
             raise UserError(f"{' and '.join(names)}: {fault}; name each dataset once")
-
-
-def _told_apart(folders: Collection[Path]) -> dict[Path, tuple[str, ...]]:
-    """The last parts of each folder's path, one or as many as tell it from the others, whatever the case.
-
-    Paths that only the case tells apart have one part.
-    """
-    depth = dict.fromkeys(folders, 1)
-    while True:
-        labels = {folder: folder.parts[1:][-count:] for folder, count in depth.items()}
-        share = defaultdict[tuple[str, ...], set[tuple[str, ...]]](set)
-        for folder, label in labels.items():
-            share[_lower(label)].add(_lower(folder.parts[1:]))
-        alike = [folder for folder, label in labels.items() if len(share[_lower(label)]) > 1]
-        if not alike:
-            return labels
-        for folder in alike:
-            depth[folder] += 1
-
-
-def _lower(label: Sequence[str]) -> tuple[str, ...]:
-    return tuple(part.lower() for part in label)
 
 
 def _refuse_same_names(members: Sequence[Member]) -> None:

@@ -13,7 +13,7 @@ from swamp_rl.boat import Boat, load_boat
 from swamp_rl.counted import and_others
 from swamp_rl.course import fitted, load_course
 from swamp_rl.errors import UserError
-from swamp_rl.names import file_in
+from swamp_rl.names import file_in, told_apart
 from swamp_rl.runs.bad_rows import REFUSED, listed
 from swamp_rl.runs.columns import is_angle
 from swamp_rl.runs.copies import boat_file, course_file, write_copies
@@ -238,16 +238,21 @@ def _in_folders(source: Path, kind: str) -> list[Path]:
 
 
 def names_apart(sources: Sequence[Path], files_of: Callable[[Path], Sequence[Path]]) -> dict[Path, str]:
-    """The files, or folders, that sources hold or are, and the names of their runs: with the source's folder
-    before it where several sources have one of the same name. UserError where one source has."""
+    """The files, or folders, that sources hold or are, and the names of their runs: with what tells the
+    sources' folders apart before it where several have one of the same name. UserError where one has."""
     found = [(source, file) for source in sources for file in files_of(source)]
     own = [file.name if file.is_dir() else file.stem for _, file in found]
     count = Counter(map(str.casefold, own))  # some file systems take both for one
+    homes = {
+        file: (source if source.is_dir() and source != file else file.parent).resolve()
+        for name, (source, file) in zip(own, found, strict=True)
+        if count[name.casefold()] > 1
+    }
+    parts = told_apart(set(homes.values()))
     names: dict[Path, str] = {}
     by_name: dict[str, Path] = {}
-    for name, (source, file) in zip(own, found, strict=True):
-        folder = (source if source.is_dir() and source != file else file.parent).resolve().name
-        names[file] = name if count[name.casefold()] == 1 else f"{folder}-{name}"
+    for name, (_, file) in zip(own, found, strict=True):
+        names[file] = "-".join((*parts[homes[file]], name)) if file in homes else name
         if other := by_name.get(names[file].casefold()):
             raise UserError(
                 f"{file}: would be a run of the same name as {other}; rename one, or name their folders, or "
@@ -275,16 +280,16 @@ def _read(files: Sequence[Path], kind: Kind, about: About, wishes: Wishes) -> tu
 
 def _of_days(found: Sequence[Foreign]) -> list[Foreign]:
     """The runs; those of several datasets, which are diagnosed as days, with the name of their dataset as
-    their group where they have none, and before a group that several have; not where two are called so."""
+    their group where they have none, and before a group that several have."""
     homes = {one.file: one.home.resolve() for one in found if one.dataset is not None and one.home}
-    called = Counter(home.name for home in set(homes.values()))
+    parts = told_apart(set(homes.values()))
     having = Counter(group for group, _ in {(one.meta.group, homes.get(one.file)) for one in found})
 
     def of_day(one: Foreign) -> Foreign:
         home, group = homes.get(one.file), one.meta.group
-        if home is None or called.total() < 2 or called[home.name] > 1 or (group and having[group] == 1):
+        if home is None or len(parts) < 2 or (group and having[group] == 1):
             return one
-        name = home.name if group is None else f"{home.name} {group}"
+        name = " ".join(("-".join(parts[home]), *([group] if group else [])))
         return replace(one, meta=one.meta.model_copy(update={"group": name}))
 
     return [of_day(one) for one in found]

@@ -1,9 +1,11 @@
 """Several datasets diagnosed together: the names and groups of their runs, and what is refused."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from swamp_rl.api import simulate
 from swamp_rl.boat import load_boat
@@ -39,6 +41,19 @@ def test_the_groups_that_a_dataset_names_stay_apart_from_those_of_another(tmp_pa
     assert run_set.days == ("may am", "may pm", "june am", "june am")
 
 
+def test_datasets_of_one_name_are_told_apart_by_the_folders_around_them(tmp_path: Path) -> None:
+    folders = [recorded(tmp_path / day / "runs", None) for day in ("may", "june")]
+    run_set = read_run_set(folders, load_boat("swamp"))
+    assert run_set.names == ("may_runs_run_0", "june_runs_run_0")
+    assert run_set.days == ("may_runs", "june_runs")
+
+
+def test_names_that_agree_with_the_folders_around_them_are_refused(tmp_path: Path) -> None:
+    folders = [recorded(tmp_path / path, None) for path in ("may/runs", "june/runs", "may_runs")]
+    with pytest.raises(UserError, match=r"may_runs: would be called may_runs like .*; rename one"):
+        read_run_set(folders, load_boat("swamp"))
+
+
 def test_one_dataset_keeps_its_names(tmp_path: Path) -> None:
     folder = recorded(tmp_path / "may", None)
     assert read_run_set([folder], load_boat("swamp")).names == ("run_0",)
@@ -56,6 +71,29 @@ def test_without_a_boat_file_the_dataset_is_compared_with_its_own_boat(tmp_path:
     assert load_boat(tmp_path / "answer" / "extended_boat.yaml").mass == light.mass
 
 
+def test_a_payload_that_differs_between_days_is_named_with_the_mass_of_each(tmp_path: Path) -> None:
+    steered = np.repeat([[0.0, 0.0, 0.0, 0.0, 0.7, 0.7, 0.7, 0.7]], 300, axis=0)
+    steered[60:120, :4] = np.radians([25.0, 25.0, -25.0, -25.0])
+    steered[120:200, 4:] = [0.2, 0.6, 0.2, 0.6]
+    masses = {"monday": 49.0, "tuesday": 56.0}
+    for day, mass in masses.items():
+        load = {"effect": "mass", "mass": mass}
+        write_yaml(tmp_path / f"{day}.yaml", {"extends": "swamp", "name": day, "effects": [load]})
+        create_dataset(tmp_path / day, described())
+        for name, commands in (("port", steered), ("starboard", steered[:, [1, 0, 3, 2, 5, 4, 7, 6]])):
+            run = simulate(tmp_path / f"{day}.yaml", commands)
+            append_run(tmp_path / day, replace(run, name=name), "csv")
+    found = diagnose([tmp_path / day for day in masses], "swamp", tmp_path / "answer", twins=0)
+    (payload,) = found.causes
+    assert payload.label == "mass by_day"
+    for day, mass in masses.items():
+        assert payload.groups[day]["mass"].value == pytest.approx(mass, abs=0.1)
+        (path,) = (tmp_path / "answer" / "conditions").glob(f"{day}*port.yaml")
+        (written,) = yaml.safe_load(path.read_text())["effects"]
+        assert written["mass"] == pytest.approx(mass, abs=0.1)
+    assert load_boat(tmp_path / "answer" / "extended_boat.yaml").mass == load_boat("swamp").mass
+
+
 def test_the_effects_of_the_boat_of_simulated_runs_are_named(tmp_path: Path, call: Call) -> None:
     half = {"effect": "thruster_gain", "thruster": "bs", "gain": 0.5}
     write_yaml(tmp_path / "weak.yaml", {"extends": "swamp", "name": "weak", "effects": [half]})
@@ -71,7 +109,6 @@ def test_the_effects_of_the_boat_of_simulated_runs_are_named(tmp_path: Path, cal
     ("second", "message"),
     [
         ("may", "is given twice"),
-        ("other/may", "rename one, or diagnose several boats with swamp-rl fleet"),
         ("june", "recorded with boat swamp-light"),
     ],
 )
@@ -79,10 +116,8 @@ def test_what_cannot_be_diagnosed_together_is_refused_in_one_line(
     tmp_path: Path, second: str, message: str
 ) -> None:
     first = recorded(tmp_path / "may", None)
-    if second == "june":
+    if second != "may":
         recorded(tmp_path / second, None, vehicle="swamp-light")
-    elif second != "may":
-        recorded(tmp_path / second, None)
     with pytest.raises(UserError, match=message) as refused:
         diagnose([first, tmp_path / second], "swamp", tmp_path / "answer")
     assert "\n" not in str(refused.value)

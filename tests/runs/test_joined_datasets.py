@@ -49,6 +49,14 @@ def test_a_group_of_two_datasets_is_one_of_each_of_them(tmp_path: Path) -> None:
     assert groups == ["monday morning", "tuesday morning", "noon", "tuesday"]
 
 
+def test_datasets_of_one_name_are_days_by_the_folders_around_them(tmp_path: Path) -> None:
+    days = [day(tmp_path / date / "runs", "csv") for date in ("monday", "tuesday")]
+    joined(days, tmp_path / "out")
+    found = read_dataset(tmp_path / "out").runs
+    assert [run.name for run in found] == ["monday-runs-run-0001", "tuesday-runs-run-0001"]
+    assert [run.meta.group for run in found] == ["monday-runs", "tuesday-runs"]
+
+
 def test_what_keeps_two_datasets_apart_is_named(tmp_path: Path) -> None:
     days = [day(tmp_path / "monday", "csv"), tmp_path / "tuesday"]
     create_dataset(days[1], described(source="human"))

@@ -12,6 +12,7 @@ from swamp_rl.boat import Boat
 from swamp_rl.clipped import clipped
 from swamp_rl.criticism.options import options
 from swamp_rl.errors import UserError
+from swamp_rl.names import told_apart
 from swamp_rl.runs import Run
 from swamp_rl.runs.columns import command_columns, span_of
 from swamp_rl.runs.dataset import META, boat_of, read_meta
@@ -119,22 +120,22 @@ def refuse_other_vehicle(dataset: Path, holdout: Path) -> None:
 
 
 def refuse_mixed(folders: Sequence[Path]) -> None:
-    """UserError where a dataset is given twice, two have the same name, or they are of different boats."""
+    """UserError where a dataset is given twice, two are called alike, or they are of different boats."""
+    names = dataset_names(folders)
     for number, folder in enumerate(folders):
-        for earlier in folders[:number]:
+        for earlier, name in zip(folders[:number], names, strict=False):
             if os.path.realpath(folder) == os.path.realpath(earlier):
                 raise UserError(f"{folder}: is given twice; give every dataset once")
-            if dataset_name(folder) == dataset_name(earlier):
-                raise UserError(
-                    f"{folder}: has the name of {earlier}, and runs are named after their dataset; rename "
-                    "one, or diagnose several boats with swamp-rl fleet"
-                )
+            if names[number] == name:
+                raise UserError(f"{folder}: would be called {name} like {earlier}; rename one")
         _refuse_another_boat(folders[0], folder, "give the runs of one boat at a time")
 
 
-def dataset_name(folder: Path) -> str:
-    """The name of a dataset's folder."""
-    return Path(os.path.realpath(folder)).name
+def dataset_names(folders: Sequence[Path]) -> list[str]:
+    """The name of each dataset's folder, with those of the folders around it where several are called so."""
+    real = [Path(os.path.realpath(folder)) for folder in folders]
+    parts = told_apart(real)
+    return ["_".join(parts[folder]) for folder in real]
 
 
 def _refuse_another_boat(dataset: Path, other: Path, advice: str) -> None:

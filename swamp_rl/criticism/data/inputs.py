@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.counted import few
-from swamp_rl.criticism.data.checks import dataset_name, refuse_other_vehicle
+from swamp_rl.criticism.data.checks import dataset_names, refuse_other_vehicle
 from swamp_rl.criticism.data.consistency import refuse_inconsistent
 from swamp_rl.criticism.data.run_set import CHANNELS, RunSet, read_run_set
 from swamp_rl.errors import UserError
@@ -36,7 +36,7 @@ class Inputs:
     @property
     def names(self) -> str:
         """The names of the folders."""
-        return ", ".join(dataset_name(one) or "runs" for one in self.folders)
+        return ", ".join(one or "runs" for one in dataset_names(self.folders))
 
 
 def inputs_of(dataset: Named | Sequence[Named], boat: str | Path | None, holdout: Named | None) -> Inputs:

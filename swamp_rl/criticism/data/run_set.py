@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swamp_rl.boat import Boat
 from swamp_rl.criticism.data.checks import (
-    dataset_name,
+    dataset_names,
     refuse_disorder,
     refuse_jump,
     refuse_mixed,
@@ -229,7 +229,8 @@ def read_run_set(
     if len(every) == 1:
         return run_set_of(_sound_runs(every[0], named), boat, str(every[0]), ignore)
     refuse_mixed(every)
-    runs = [_of_dataset(run, dataset_name(folder)) for folder in every for run in _sound_runs(folder, named)]
+    named_folders = zip(dataset_names(every), every, strict=True)
+    runs = [_of_dataset(run, name) for name, folder in named_folders for run in _sound_runs(folder, named)]
     return run_set_of(runs, boat, ", ".join(map(str, every)), ignore)
 
 
