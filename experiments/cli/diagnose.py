@@ -295,7 +295,7 @@ def _number(name: str, found: "Estimate", own: str = "") -> str:
 
 
 def disturbances(
-    diagnosis: Annotated[Path, typer.Argument(help="The diagnosis.json that `diagnose` wrote.")],
+    diagnosis: Annotated[Path, typer.Argument(help="What `diagnose` wrote: its folder or diagnosis.json.")],
     out: Annotated[Path, typer.Option(help="The .yaml file to write.")],
     among: Annotated[
         str | None,
@@ -305,7 +305,10 @@ def disturbances(
     """Write a diagnosis, with its standard errors, as disturbances for training."""
     from swamp_rl.experiments.config.posterior import diagnosed_boat, posterior_limits, write_posterior
 
+    from swamp_rl.criticism.diagnose import RESULT
+
     refuse_suffix("--out", out, *YAML)
+    diagnosis = diagnosis / RESULT if diagnosis.is_dir() else diagnosis
     level = write_posterior(diagnosis, out, among)
     boat = diagnosed_boat(diagnosis)
     has = "not its extended file, which has these effects already"

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 from swamp_rl.boat import load_boat
 from swamp_rl.clipped import clipped
 from swamp_rl.criticism.model.extended_boat import BOAT
+from swamp_rl.criticism.nuisance.random_effect import widening
 from swamp_rl.criticism.options import options
 from swamp_rl.criticism.report.words import in_file_names
 from swamp_rl.criticism.result import Cause, Diagnosis, Estimate, Extension
@@ -36,13 +37,13 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
     Each parameter is normal with its estimate and standard error, truncated at the effect's bounds, and
     correlated as in the diagnosis. One at a bound of the fit, or that the runs do not determine, is constant:
     its standard error is meaningless. What differs between runs is drawn for another run: from the normal
-    distribution of the runs, a vector by component, its variance that of the runs and of their mean. among: a
-    level whose start, other effects, and the same effects of other thrusters are included, in proportion to
-    the boat of the `extended_boat.yaml` beside the diagnosis. A cause that does not carry over to held-out
-    runs is left out, as it is of that file. A missing force that the file has is constant, with the effects
-    that were fitted beside it. UserError where the diagnosis cannot be read or has no cause left, or that
-    level cannot be read, has correlations of its own, or an effect of `all` thrusters that the diagnosis has
-    of one.
+    distribution of the runs, a vector by component, its variance that of the runs and of their mean, which
+    Student's t does not widen; it is drawn by itself. among: a level whose start, other effects, and the same
+    effects of other thrusters are included, in proportion to the boat of the `extended_boat.yaml` beside the
+    diagnosis. A cause that does not carry over to held-out runs is left out, as it is of that file. A missing
+    force that the file has is constant, with the effects that were fitted beside it. UserError where the
+    diagnosis cannot be read or has no cause left, or that level cannot be read, has correlations of its own,
+    or an effect of `all` thrusters that the diagnosis has of one.
     """
     found = _read(diagnosis)
     every, curves, correlation = _written(found)
@@ -61,7 +62,7 @@ def write_posterior(diagnosis: Path, out: Path, among: str | None = None) -> dic
         "description": f"result of a diagnosis, with its standard errors{beside}; for the boat that was "
         f"diagnosed: {BOAT} has these effects already" + "".join(f"; {one}" for one in _limits(found)),
         "effects": entries + curves + others,
-        **_correlated(entries, _carried(correlation, every)),
+        **_correlated(entries, [bool(one.spread) for one in causes], _carried(correlation, every)),
     }
     level_of(level, f"{diagnosis}")
     write_yaml(out, level)
@@ -182,8 +183,14 @@ def _of_another_run(cause: Cause, name: str) -> Estimate:
     found = cause.parameters[name]
     if name not in cause.spread:
         return found
-    size = math.hypot(found.standard_error, cause.spread[name].value)
+    size = math.hypot(found.standard_error / _widening(cause), cause.spread[name].value)
     return found.model_copy(update={"standard_error": size, "at_bound": False})
+
+
+def _widening(cause: Cause) -> float:
+    """Ratio of the standard errors of the mean of what differs between runs to its deviation."""
+    differs = any(one.value > 0.0 for one in cause.spread.values())
+    return widening(len(cause.groups), len(cause.spread)) if differs else 1.0
 
 
 def _between_runs(cause: Cause, size: str, direction: str) -> dict[str, Any]:
@@ -193,7 +200,7 @@ def _between_runs(cause: Cause, size: str, direction: str) -> dict[str, Any]:
     drawn = {}
     for name, part, other in (("north", math.cos, math.sin), ("east", math.sin, math.cos)):
         mean = length.value * part(angle.value)
-        of_mean = math.hypot(along * part(angle.value), across * other(angle.value))
+        of_mean = math.hypot(along * part(angle.value), across * other(angle.value)) / _widening(cause)
         deviation = math.hypot(of_mean, cause.spread[name].value)
         reach = options().posterior_reach * deviation
         ends = [mean - reach, mean + reach]
@@ -208,10 +215,14 @@ def _carried(matrix: list[list[float]], causes: Sequence[Cause]) -> list[list[fl
     return rows if len(matrix) == len(stays) else []
 
 
-def _correlated(entries: list[dict[str, Any]], matrix: list[list[float]]) -> dict[str, Any]:
-    """The key `correlated` of the random parameters; nothing where none are correlated."""
+def _correlated(
+    entries: list[dict[str, Any]], differs: list[bool], matrix: list[list[float]]
+) -> dict[str, Any]:
+    """The key `correlated` of the random parameters, but of entries that differ between runs; nothing where
+    none are correlated.
+    """
     every = [
-        (f"{place}.{name}", isinstance(value, dict) and not isinstance(entry.get(COMPONENTS), dict))
+        (f"{place}.{name}", isinstance(value, dict) and not differs[place])
         for place, entry in enumerate(entries)
         for name, value in (entry | entry.get(COMPONENTS, {})).items()
         if name not in ("effect", "thruster", COMPONENTS)

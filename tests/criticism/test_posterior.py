@@ -108,6 +108,22 @@ def test_a_current_that_differs_between_runs_is_as_wide_as_these_differ(tmp_path
     assert level["effects"][0]["north"]["normal"][:2] == pytest.approx([0.2, np.hypot(0.02, 0.4)])
 
 
+def test_a_load_that_differs_between_two_days_is_drawn_as_wide_as_these_and_by_itself(tmp_path: Path) -> None:
+    between, of_mean, t = 4.95, 3.5, 12.706 / 1.96  # kg, kg, Student's t of one degree of freedom
+    load = {
+        "effect": "mass",
+        "parameters": {"mass": estimate(52.5, of_mean * t, "kg")},
+        "scope": "day",
+        "groups": {day: {"mass": estimate(mass, 0.1, "kg")} for day, mass in (("may", 49.0), ("june", 56.0))},
+        "spread": {"mass": {"value": between, "low": 1.9, "high": 55.0, "unit": "kg"}},
+    }
+    found = diagnosis(tmp_path, WEAK, load, correlation=[[1.0, 0.8], [0.8, 1.0]])
+    level = write_posterior(found, tmp_path / "found.yaml")
+    mean, deviation, *_ = level["effects"][1]["mass"]["normal"]
+    assert (mean, deviation) == (52.5, pytest.approx(np.hypot(between, of_mean), rel=1e-3))
+    assert "correlated" not in level
+
+
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
@@ -163,6 +179,16 @@ def test_a_level_is_a_yaml_file_as_only_such_is_found_again(tmp_path: Path, call
         )
     assert call("disturbances", diagnosis(tmp_path, WEAK), "--out", "Found.YAML")[0] == 0
     assert [path.name for path in tmp_path.glob("[Ff]ound*")] == ["Found.YAML"]
+
+
+def test_the_folder_of_a_diagnosis_stands_for_its_file(tmp_path: Path, call: Call) -> None:
+    path = diagnosis(tmp_path, WEAK)
+    for given, out in ((path, "by_file.yaml"), (tmp_path, "by_folder.yaml")):
+        assert call("disturbances", given, "--out", tmp_path / out)[0] == 0
+    assert (tmp_path / "by_folder.yaml").read_text() == (tmp_path / "by_file.yaml").read_text()
+    assert_complains(
+        call("disturbances", tmp_path.parent, "--out", "none.yaml"), "diagnosis.json: No such file"
+    )
 
 
 def test_nothing_is_drawn_beyond_the_bounds_of_an_effect(tmp_path: Path) -> None:

@@ -32,7 +32,6 @@ def random_effect(values: Array, covariance: Array, scale: Array) -> RandomEffec
     likelihood (Patterson and Thompson 1971); scale: (q,) typical sizes.
     """
     from scipy.optimize import brentq, minimize_scalar
-    from scipy.special import stdtrit
 
     y = (values / scale).ravel()
     unit = np.tile(1.0 / scale, len(values))
@@ -57,8 +56,17 @@ def random_effect(values: Array, covariance: Array, scale: Array) -> RandomEffec
     spread = float(np.exp(best)) if at > 0 else 0.0
     _, mean, of_mean = _restricted(y, noise, spread, len(scale))
     if spread > 0.0:
-        of_mean = of_mean * (stdtrit(len(y) - len(scale), 1.0 - options().tail) / Z95) ** 2
+        of_mean = of_mean * widening(len(values), len(scale)) ** 2
     return RandomEffect(mean * scale, of_mean * np.outer(scale, scale), spread, low, high)
+
+
+def widening(groups: int, size: int) -> float:
+    """Student's t over the normal quantile at 95 %, by which the standard error of the mean of so many groups
+    of `size` values is widened; 1 for one group.
+    """
+    from scipy.special import stdtrit
+
+    return float(stdtrit((groups - 1) * size, 1.0 - options().tail)) / Z95 if groups > 1 else 1.0
 
 
 def _restricted(y: Array, noise: Array, spread: float, size: int) -> tuple[float, Array, Array]:
