@@ -170,3 +170,10 @@ def test_days_are_groups_where_a_dataset_names_them() -> None:
     two_days = replace(RUNS, days=("monday", "tuesday", "monday"))
     found: EffectInstance = by_label(candidates(RUNS.boat, SECONDS, two_days.groups))["wind by_day"]
     assert (found.groups, found.size) == ((0, 1, 0), 4)
+
+
+def test_runs_of_which_each_is_a_day_differ_by_day() -> None:
+    days = replace(RUNS, days=("tuesday", "monday", "wednesday"))
+    assert days.groups == {"day": (1, 0, 2)}
+    assert days.group_names("day") == ["monday", "tuesday", "wednesday"]
+    assert set(RUNS.groups) == {"run"} and set(replace(RUNS, days=("monday",) * 3).groups) == {"run"}

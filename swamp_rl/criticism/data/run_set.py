@@ -179,12 +179,11 @@ class RunSet:
 
     @property
     def groups(self) -> dict[str, tuple[int, ...]]:
-        """Group of each run, by `day` where a dataset tells it, and by `run`."""
-        found = {"run": tuple(range(len(self.lengths)))}
-        if len(set(self.days)) > 1 and len(set(self.days)) < len(self.days):
-            order = sorted(set(self.days))
-            found = {"day": tuple(order.index(day) for day in self.days)} | found
-        return found
+        """Group of each run, by `day` where a dataset tells it, and by `run` where not each is a day."""
+        order = sorted(set(self.days))
+        days = {"day": tuple(map(order.index, self.days))} if len(order) > 1 else {}
+        runs = {"run": tuple(range(len(self.lengths)))}
+        return days if len(order) == len(self.lengths) > 1 else days | runs
 
     def group_names(self, by: str) -> list[str]:
         """Names of the groups, in their order; `by`: `day` or `run`."""
@@ -274,7 +273,8 @@ def run_set_of(every: list[Run], boat: Boat, folder: str, ignore: Sequence[str] 
     gaps = _gaps([(filled, lost) for filled, _, lost in placed])
     names = tuple(run.name for run in runs)
     short = tuple(run.name for run in every if run.duration < options().shortest_run)
-    days = tuple(run.meta.group or run.name for run in runs)
+    grouped = any(run.meta.group for run in runs)
+    days = tuple(run.meta.group or run.name for run in runs) if grouped else ()
     tracks = [track[:, :3] for _, track, _ in placed]
     refuse_unexciting([command for command, _, _ in placed], tracks, dt, boat, folder)
     sailed = names, commands, measured, lengths, gaps
