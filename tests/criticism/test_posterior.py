@@ -18,33 +18,12 @@ from swamp_rl.simulator import parameters
 from swamp_rl.simulator.reference import size_of
 from tests.support.command_line import Call, assert_complains
 from tests.support.command_line import call as call
+from tests.support.diagnosis_file import CURRENT, WEAK, diagnosis, estimate
 from tests.support.from_scratch import written
 
 pytestmark = pytest.mark.numerical
 
 BOAT = load_boat("swamp")
-
-
-def estimate(value: float, doubt: float, unit: str = "1") -> dict[str, Any]:
-    return {"value": value, "standard_error": doubt, "unit": unit}
-
-
-def diagnosis(folder: Path, *causes: dict[str, Any], correlation: list[list[float]] | None = None) -> Path:
-    empty: dict[str, Any] = {
-        name: [] for name in ("indistinguishable", "contrasts", "leftover", "candidates", "unseen", "gain")
-    }
-    found = empty | {"verdict": "cause", "causes": list(causes), "separating_trial": None}
-    found |= {"correlation": correlation or []}
-    path = folder / "diagnosis.json"
-    path.write_text(json.dumps(found | {"noise": {}, "adequacy": {}, "elapsed_s": 1.0}))
-    return path
-
-
-CURRENT: dict[str, Any] = {
-    "effect": "current",
-    "parameters": {"north": estimate(0.2, 0.02, "m/s"), "east": estimate(-0.1, 0.03, "m/s")},
-}
-WEAK = {"effect": "thruster_gain", "thruster": "bs", "parameters": {"gain": estimate(0.02, 0.05)}}
 
 
 def test_what_is_drawn_has_the_mean_and_the_standard_error_of_the_diagnosis(tmp_path: Path) -> None:
@@ -73,55 +52,6 @@ def test_causes_stay_as_measured_and_a_level_among_them_is_fitted_to_the_boat(tm
         *(e.effect.name for e in plain.entries if e.effect.name != "current"),
     ]
     assert found.offsets == plain.offsets
-
-
-def test_a_wind_that_differs_between_runs_is_drawn_for_another_run(tmp_path: Path) -> None:
-    north, east, sure, spread = -1.0, 2.0, 0.1, 1.5
-    cause = {
-        "effect": "wind",
-        "parameters": {
-            "speed": estimate(float(np.hypot(north, east)), sure, "m/s"),
-            "from": estimate(float(np.arctan2(east, north)), sure / np.hypot(north, east), "rad"),
-        },
-        "scope": "run",
-        "spread": {
-            name: {"value": spread, "low": 0.5, "high": 4.0, "unit": "m/s"} for name in ("north", "east")
-        },
-    }
-    matrix = (0.5 * np.eye(4) + 0.5).tolist()
-    write_posterior(diagnosis(tmp_path, cause, CURRENT, correlation=matrix), tmp_path / "found.yaml")
-    level = load_disturbances(tmp_path / "found.yaml", BOAT.thruster_names)
-    record = parameters(BOAT, 20_000)
-    level.apply(record, np.random.default_rng(0).random((20_000, level.draw_count)))
-    for part, mean in ((np.cos, north), (np.sin, east)):
-        drawn = record["wind_speed"] * part(record["wind_from"])
-        assert drawn.mean() == pytest.approx(mean, abs=0.05)
-        assert drawn.std() == pytest.approx(np.hypot(spread, sure), rel=0.03)
-    assert np.corrcoef(record["current_north"], record["current_east"])[0, 1] == pytest.approx(0.5, abs=0.03)
-
-
-def test_a_current_that_differs_between_runs_is_as_wide_as_these_differ(tmp_path: Path) -> None:
-    spread = {name: {"value": 0.4, "low": 0.1, "high": 1.0, "unit": "m/s"} for name in ("north", "east")}
-    level = write_posterior(
-        diagnosis(tmp_path, CURRENT | {"scope": "run", "spread": spread}), tmp_path / "found.yaml"
-    )
-    assert level["effects"][0]["north"]["normal"][:2] == pytest.approx([0.2, np.hypot(0.02, 0.4)])
-
-
-def test_a_load_that_differs_between_two_days_is_drawn_as_wide_as_these_and_by_itself(tmp_path: Path) -> None:
-    between, of_mean, t = 4.95, 3.5, 12.706 / 1.96  # kg, kg, Student's t of one degree of freedom
-    load = {
-        "effect": "mass",
-        "parameters": {"mass": estimate(52.5, of_mean * t, "kg")},
-        "scope": "day",
-        "groups": {day: {"mass": estimate(mass, 0.1, "kg")} for day, mass in (("may", 49.0), ("june", 56.0))},
-        "spread": {"mass": {"value": between, "low": 1.9, "high": 55.0, "unit": "kg"}},
-    }
-    found = diagnosis(tmp_path, WEAK, load, correlation=[[1.0, 0.8], [0.8, 1.0]])
-    level = write_posterior(found, tmp_path / "found.yaml")
-    mean, deviation, *_ = level["effects"][1]["mass"]["normal"]
-    assert (mean, deviation) == (52.5, pytest.approx(np.hypot(between, of_mean), rel=1e-3))
-    assert "correlated" not in level
 
 
 @pytest.mark.parametrize(
