@@ -188,7 +188,7 @@ def _of_another_run(cause: Cause, name: str) -> Estimate:
 
 
 def _widening(cause: Cause) -> float:
-    """Ratio of the standard errors of the mean of what differs between runs to its deviation."""
+    """By what factor Student's t widened the standard errors of the mean over runs or days."""
     differs = any(one.value > 0.0 for one in cause.spread.values())
     return widening(len(cause.groups), len(cause.spread)) if differs else 1.0
 

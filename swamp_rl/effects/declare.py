@@ -61,7 +61,7 @@ class Effect:
     numbers in this per-thruster field of the boat are exchanged; reverses: whose number in this per-thruster
     field changes its sign; such effects have no parameters. curve: entries hold a `Curve` and no parameters.
     needs: what a thruster must be able to do, or have; a boat without such a thruster has no such effect.
-    weather: what the water, the air and others do, of which a boat has nothing.
+    weather: of the surroundings, such as wind, current or a towed line, and not of the boat.
 
     The rest says how a diagnosis searches for it. scope: the least that may have a value of its own.
     begin: what the fit's starts come from: the parameters' own, the best point of their grid, a scan of

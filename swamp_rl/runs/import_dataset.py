@@ -289,7 +289,8 @@ def _of_days(found: Sequence[Foreign]) -> list[Foreign]:
         home, group = homes.get(one.file), one.meta.group
         if home is None or len(parts) < 2 or (group and having[group] == 1):
             return one
-        name = " ".join(("-".join(parts[home]), *([group] if group else [])))
+        dataset = "-".join(parts[home])
+        name = f"{dataset} {group}" if group else dataset
         return replace(one, meta=one.meta.model_copy(update={"group": name}))
 
     return [of_day(one) for one in found]

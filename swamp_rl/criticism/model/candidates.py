@@ -73,7 +73,7 @@ class EffectInstance:
 
     @property
     def of_boat(self) -> bool:
-        """Whether the boat has it alike in every run."""
+        """Whether it belongs to the boat and is the same in every run."""
         return not (self.effect.weather or self.groups)
 
     @property

@@ -355,7 +355,7 @@ def own_value(effect: str, parameter: str, boat: Boat) -> str:
 
 
 def of_boat(cause: Cause) -> bool:
-    """Whether the boat has it alike in every run."""
+    """Whether it belongs to the boat and is the same in every run."""
     return not (cause.groups or LIBRARY[cause.effect].weather)
 
 
